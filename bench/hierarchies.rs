@@ -1,5 +1,4 @@
-//! `cargo bench --bench hierarchies`: the four hierarchies on one deforming object, on the default device: time, links
-//! and error in one run.
+//! The four hierarchies on one deforming object: time, links and error in one run.
 //!
 //! The object is a ball of 20,480 triangles, displaced by noise and twisted by up to 240 degrees. Face clusters, median
 //! and butterfly share one mesh (an icosphere of 320 faces, subdivided three times); shrink-wrap remeshes the same
@@ -9,14 +8,17 @@
 use std::time::Instant;
 
 use milkglass::error::Result;
-use milkglass::internals::gpu::Device;
 use milkglass::internals::layout::BufferId;
-use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
+use milkglass::internals::pipeline::plan::Change;
 use milkglass::internals::session::aov::links;
-use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::scene::{Hierarchy, Scene};
+use milkglass::measure::report::{Bench, Page};
+use milkglass::measure::statistics::median;
+use milkglass::measure::table::Table;
+use milkglass::{Goal, Mode, Options, Scene, Session};
+
+use super::Asked;
 
 /// The ball and its motion.
 const BALL: [&str; 3] = [
@@ -25,88 +27,84 @@ const BALL: [&str; 3] = [
     "object.0.size=20",
     "camera.size=[64, 64]",
 ];
-
 /// The measured frames, in order.
 const FRAMES: [f64; 7] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 59.0];
+/// Each hierarchy, and the detail of the mesh it starts from.
+const HIERARCHIES: [(&str, u32); 4] = [("face-clusters", 2), ("median", 2), ("butterfly", 2), ("shrink-wrap", 5)];
 
-/// Receivers per frame that are compared with brute force in `f64`.
-const SAMPLES: usize = 500;
-
-const COARSE: [&str; 3] = ["object.0.detail=2", "transport.hierarchy=butterfly", "transport.levels=3"];
-const FINE: [&str; 3] = ["object.0.detail=5", "transport.hierarchy=shrink-wrap", "transport.levels=3"];
-
-/// Name, hierarchy, and settings of the mesh.
-const ROWS: [(&str, Hierarchy, &[&str]); 4] = [
-    ("face-clusters", Hierarchy::FaceClusters, &COARSE),
-    ("median", Hierarchy::Median, &COARSE),
-    ("butterfly", Hierarchy::Butterfly, &COARSE),
-    ("shrink-wrap", Hierarchy::ShrinkWrap, &FINE),
-];
-
-/// The ball at one frame.
-fn scene(hierarchy: Hierarchy, mesh: &[&str], tolerance: f64, frame: f64) -> Result<Scene> {
-    let mut sets: Vec<String> = BALL.iter().chain(mesh).map(ToString::to_string).collect();
-    sets.push(format!("transport.tolerance={tolerance}"));
-    let mut scene = Scene::load_at("sphere", &sets, frame)?;
-    scene.transport.hierarchy = hierarchy;
-    Ok(scene)
+/// Means over the frames, except of the error, which is the largest.
+#[derive(Default)]
+struct Row {
+    name: &'static str,
+    faces: usize,
+    levels: u32,
+    tolerance: f64,
+    frame_ms: f64,
+    host_ms: f64,
+    links: f64,
+    l2: f64,
+    rebuilt: usize,
+    start_ms: f64,
 }
 
-/// One line of the table: means over the frames, except the error, which is the maximum.
-fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], tolerance: f64) -> Result<String> {
+fn measured((name, detail): (&'static str, u32), tolerance: f64, bench: &Bench<'_>) -> Result<Row> {
+    let scene = |frame: f64| {
+        let own = [
+            format!("object.0.detail={detail}"),
+            format!("transport.hierarchy={name}"),
+            "transport.levels=3".into(),
+            format!("transport.tolerance={tolerance}"),
+        ];
+        Scene::load_at("sphere", &[&BALL.map(String::from)[..], &own].concat(), frame)
+    };
     let options = Options { mode: Mode::Keep, goal: Goal::Radiosity, ..Options::default() };
     let start = Instant::now();
-    let mut session = Session::new(&scene(hierarchy, mesh, tolerance, FRAMES[0])?, Some(device), options)?;
-    let build = start.elapsed().as_secs_f64() * 1e3;
+    let mut session = Session::new(&scene(FRAMES[0])?, bench.device, options)?;
+    let mut row = Row { name, tolerance, start_ms: start.elapsed().as_secs_f64() * 1e3, ..Row::default() };
     session.frame(Change::EVERYTHING)?;
-    let (mut ms, mut host, mut count, mut error, mut built) = (0.0, 0.0, 0.0, 0f64, 0);
+    let count = FRAMES.len() as f64;
     for frame in FRAMES {
-        let next = scene(hierarchy, mesh, tolerance, frame)?;
-        let start = Instant::now();
+        let (next, start) = (scene(frame)?, Instant::now());
         session.show(&next)?;
-        host += start.elapsed().as_secs_f64() * 1e3;
-        built += usize::from(session.prepared().spoilt[0].is_some());
+        row.host_ms += start.elapsed().as_secs_f64() * 1e3 / count;
+        row.rebuilt += usize::from(session.prepared().spoilt[0].is_some());
         session.frame(Change::EVERYTHING)?;
         let mut times = Vec::new();
         for _ in 0..5 {
-            times.push(session.frame(Change::EVERYTHING)?.iter().map(|part| part.milliseconds).sum::<f64>());
+            times.push(session.frame(Change::EVERYTHING)?.iter().map(|part| part.milliseconds).sum());
         }
-        times.sort_by(f64::total_cmp);
-        ms += times[2];
+        row.frame_ms += median(times) / count;
         session.fetch(&[BufferId::runs, BufferId::spans])?;
         let lists = links(session.state());
-        count += lists.iter().map(|&links| f64::from(links)).sum::<f64>() / lists.len() as f64;
-        error = error.max(worst(&verify(&mut session, SAMPLES, 1)?).l2);
+        row.links += lists.iter().map(|&links| f64::from(links)).sum::<f64>() / (lists.len() as f64 * count);
+        row.l2 = row.l2.max(worst(&verify(&mut session, 500, 1)?).l2);
     }
-    let all = FRAMES.len() as f64;
-    let (faces, depth) = (session.state().data.triangles.len(), session.prepared().trees[0].depth());
-    let (ms, host, count) = (ms / all, host / all, count / all);
-    Ok(format!(
-        "{name:<14} {faces:>9} {depth:>6} {tolerance:>9.0e} {ms:>9.1} {host:>9.1} {count:>9.0} {error:>9.1e} {built:>9} {build:>9.0}"
-    ))
+    (row.faces, row.levels) = (session.state().data.triangles.len(), session.prepared().trees[0].depth());
+    Ok(row)
 }
 
-fn run() -> Result<()> {
-    let Some(device) = Device::best()? else {
-        println!("no usable Vulkan device");
-        return Ok(());
-    };
-    println!("{}, {}", device.name(), device.driver());
-    println!(
-        "{:<14} {:>9} {:>6} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
-        "hierarchy", "triangles", "levels", "asked", "frame ms", "host ms", "links/rec", "L2", "rebuilt", "start ms"
-    );
+/// Each hierarchy at two tolerances.
+pub fn hierarchies(_: &Asked, bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    let mut rows = Vec::new();
     for tolerance in [1e-2, 1e-3] {
-        for (name, hierarchy, mesh) in ROWS {
-            println!("{}", row(&device, name, hierarchy, mesh, tolerance)?);
+        for hierarchy in HIERARCHIES {
+            rows.push(measured(hierarchy, tolerance, bench)?);
         }
     }
+    page.small_table(&Table::of(
+        &rows,
+        &[
+            ("hierarchy", "", &|row| row.name.into()),
+            ("triangles", "", &|row| row.faces.to_string()),
+            ("levels", "", &|row| row.levels.to_string()),
+            ("asked", "", &|row| format!("{:.0e}", row.tolerance)),
+            ("frame ms", "", &|row| format!("{:.1}", row.frame_ms)),
+            ("host ms", "", &|row| format!("{:.1}", row.host_ms)),
+            ("links/rec", "", &|row| format!("{:.0}", row.links)),
+            ("L2", "", &|row| format!("{:.1e}", row.l2)),
+            ("rebuilt", "", &|row| row.rebuilt.to_string()),
+            ("start ms", "", &|row| format!("{:.0}", row.start_ms)),
+        ],
+    ));
     Ok(())
-}
-
-fn main() {
-    if let Err(error) = run() {
-        eprintln!("{error}");
-        std::process::exit(error.exit_code().into());
-    }
 }

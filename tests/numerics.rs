@@ -1,6 +1,7 @@
 //! Methods and pictures: against closed forms, published figures and one another, on the CPU and on every device.
 
 mod devices;
+mod native_walk;
 mod population;
 mod shell;
 

@@ -62,5 +62,5 @@ pub(super) fn described(changes: &[Change]) -> String {
         .filter(|kind| count(*kind) > 0)
         .map(|kind| format!("{}: {}", kind.name(), count(kind)))
         .collect();
-    format!("{}{}\n", table(&["change", "device", "fixture", "stage", "what"], &[], &rows), counts.join(", "))
+    format!("{}{}\n", table(["change", "device", "fixture", "stage", "what"], rows), counts.join(", "))
 }

@@ -5,8 +5,9 @@ use clap::Args;
 use super::device::opened;
 use super::{print, size, table};
 use milkglass::error::{Error, Result};
-use milkglass::internals::gpu::{Adapter, Instance};
+use milkglass::internals::gpu::{Adapter, Instance, Limits};
 use milkglass::measure::probe::probe;
+use milkglass::measure::table::Table;
 
 /// Arguments of `devices`.
 #[derive(Args)]
@@ -29,7 +30,7 @@ fn probes() -> Result<()> {
             rows.push(vec![adapter.name.clone(), fact.name, fact.what, needed.into(), fact.found]);
         }
     }
-    print(&format!("\n{}", table(&["device", "probe", "what it shows", "kernels", "found"], &[], &rows)))?;
+    print(&format!("\n{}", table(["device", "probe", "what it shows", "kernels", "found"], rows)))?;
     match lacking {
         0 => Ok(()),
         1 => Err(Error::Check("1 probe that kernels rely on fails".into())),
@@ -39,54 +40,36 @@ fn probes() -> Result<()> {
 
 /// Prints every Vulkan device and the CPU back end.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let mut rows = vec![row("cpu", "CPU reference (f64)", "-", "-", "usable", None)];
+    // The first one is the CPU, which has no adapter.
+    let mut rows = vec![None];
     match Instance::open(false).and_then(|instance| instance.adapters()) {
-        Ok(adapters) => {
-            for (index, adapter) in adapters.iter().enumerate() {
-                let state = adapter.unusable.clone().unwrap_or_else(|| "usable".to_string());
-                let name = format!("{} ({})", adapter.name, adapter.kind);
-                rows.push(row(&index.to_string(), &name, &adapter.driver, &adapter.version, &state, Some(adapter)));
-            }
-        }
+        Ok(adapters) => rows.extend(adapters.into_iter().map(Some)),
         Err(error) => tell!("{error}"),
     }
-    print(&table(
-        &[
-            "device",
-            "name",
-            "driver",
-            "Vulkan",
-            "state",
-            "binding",
-            "allocation",
-            "buffers",
-            "push",
-            "group",
-            "subgroup",
-            "rounding",
-        ],
-        &[5, 6, 7, 8, 9, 10],
-        &rows,
-    ))?;
+    print(&listed(&rows).text())?;
     if arguments.probe { probes() } else { Ok(()) }
 }
 
-fn row(index: &str, name: &str, driver: &str, version: &str, state: &str, adapter: Option<&Adapter>) -> Vec<String> {
-    let limits = adapter.map(|adapter| adapter.limits);
-    let show =
-        |f: &dyn Fn(&milkglass::internals::gpu::Limits) -> String| limits.as_ref().map_or_else(|| "-".to_string(), f);
-    vec![
-        index.to_string(),
-        name.to_string(),
-        driver.to_string(),
-        version.to_string(),
-        state.to_string(),
-        show(&|l| size(l.binding_bytes)),
-        show(&|l| size(l.allocation_bytes)),
-        show(&|l| l.storage_buffers.to_string()),
-        show(&|l| format!("{} B", l.push_bytes)),
-        show(&|l| l.group_invocations.to_string()),
-        show(&|l| l.subgroup_size.to_string()),
-        show(&|l| if l.round_to_nearest { "to nearest".into() } else { "not offered".into() }),
-    ]
+fn listed(rows: &[Option<Adapter>]) -> Table {
+    let own = |row: &Option<Adapter>, of: &dyn Fn(&Adapter) -> String| row.as_ref().map_or_else(|| "-".into(), of);
+    let name = |adapter: &Adapter| format!("{} ({})", adapter.name, adapter.kind);
+    let state = |adapter: &Adapter| adapter.unusable.clone().unwrap_or_else(|| "usable".into());
+    let rounding = |limits: Limits| if limits.round_to_nearest { "to nearest" } else { "not offered" };
+    Table::of(
+        rows,
+        &[
+            ("device", "", &|row| row.as_ref().map_or_else(|| "cpu".into(), |adapter| adapter.number.to_string())),
+            ("name", "", &|row| row.as_ref().map_or_else(|| "CPU reference (f64)".into(), name)),
+            ("driver", "", &|row| own(row, &|adapter| adapter.driver.clone())),
+            ("Vulkan", "", &|row| own(row, &|adapter| adapter.version.clone())),
+            ("state", "", &|row| row.as_ref().map_or_else(|| "usable".into(), state)),
+            ("binding", "", &|row| own(row, &|adapter| size(adapter.limits.binding_bytes))),
+            ("allocation", "", &|row| own(row, &|adapter| size(adapter.limits.allocation_bytes))),
+            ("buffers", "", &|row| own(row, &|adapter| adapter.limits.storage_buffers.to_string())),
+            ("push", "", &|row| own(row, &|adapter| format!("{} B", adapter.limits.push_bytes))),
+            ("group", "", &|row| own(row, &|adapter| adapter.limits.group_invocations.to_string())),
+            ("subgroup", "", &|row| own(row, &|adapter| adapter.limits.subgroup_size.to_string())),
+            ("rounding", "", &|row| own(row, &|adapter| rounding(adapter.limits).into())),
+        ],
+    )
 }

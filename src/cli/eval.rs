@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{DeviceArgument, MemoryArgument, check_messages, validation};
+use super::{DeviceArgument, MemoryArgument, check_messages, validation, write};
 use milkglass::error::{Input, Result};
-use milkglass::internals::view::atomic_file::{ready, write_atomically};
+use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::eval::{Kind, answers};
 use milkglass::scene::Fresnel;
 
@@ -51,5 +51,5 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let open = || arguments.device.open(validation()).inspect(|device| opened.clone_from(device));
     let bytes = answers(arguments.kind, arguments.fresnel, file, &text, open)?;
     check_messages(opened.as_ref())?;
-    write_atomically(&arguments.output, |beside| std::fs::write(beside, bytes).map_err(|e| e.to_string()))
+    write(&arguments.output, bytes)
 }

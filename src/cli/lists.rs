@@ -7,6 +7,7 @@ use milkglass::Scene;
 use milkglass::error::{Input, Result};
 use milkglass::internals::pipeline::frame::{FRAME, Part, QUERIES};
 use milkglass::internals::state::{Change, Stage, Update};
+use milkglass::measure::table::{Column, Table};
 use milkglass::scene::{BUILTIN, Files, Preset};
 use std::path::Path;
 
@@ -32,7 +33,7 @@ pub struct Stages {}
 pub fn scenes(arguments: &Scenes) -> Result<()> {
     let Some(name) = &arguments.name else {
         let rows: Vec<_> = BUILTIN.iter().map(|(name, _, about)| vec![name.to_string(), about.to_string()]).collect();
-        print(&table(&["scene", "what it shows"], &[], &rows))?;
+        print(&table(["scene", "what it shows"], rows))?;
         return Ok(());
     };
     match BUILTIN.iter().find(|(known, _, _)| known.eq_ignore_ascii_case(name)) {
@@ -62,10 +63,10 @@ pub fn stages(_: &Stages) -> Result<()> {
     for section in FRAME {
         text += &format!("{}\n", section.title);
         let rows: Vec<_> = section.parts.iter().flat_map(rows).collect();
-        text += &format!("{}\n", table(&header, &[], &rows));
+        text += &format!("{}\n", table(header, rows));
     }
     text += "No part of a frame: what `milkglass eval` answers\n";
-    text += &table(&header, &[], &QUERIES.iter().map(|stage| row(stage)).collect::<Vec<_>>());
+    text += &table(header, QUERIES.iter().map(|stage| row(stage)).collect());
     print(&text)
 }
 
@@ -88,24 +89,13 @@ fn row(stage: &Stage) -> Vec<String> {
 /// Lists the presets, measured ones and looks.
 pub fn materials(_: &Materials) -> Result<()> {
     let three = |v: [f64; 3]| v.map(|x| x.to_string()).join(" ");
-    let rows: Vec<_> = Preset::all()
-        .map(|m| {
-            let (s, a, r) =
-                (three(m.sigma_s_prime), three(m.sigma_a), m.diffuse_reflectance.map_or(String::new(), three));
-            vec![m.name.to_string(), s, a, m.eta.to_string(), m.origin.words().to_string(), r]
-        })
-        .collect();
-    print(&table(
-        &[
-            "material",
-            "sigma_s' per mm (r g b)",
-            "sigma_a per mm (r g b)",
-            "eta",
-            "coefficients",
-            "diffuse reflectance as printed",
-        ],
-        &[],
-        &rows,
-    ))?;
-    Ok(())
+    let columns: [Column<'_, &Preset>; 6] = [
+        ("material", "", &|m| m.name.into()),
+        ("sigma_s' per mm (r g b)", "", &|m| three(m.sigma_s_prime)),
+        ("sigma_a per mm (r g b)", "", &|m| three(m.sigma_a)),
+        ("eta", "", &|m| m.eta.to_string()),
+        ("coefficients", "", &|m| m.origin.words().into()),
+        ("diffuse reflectance as printed", "", &|m| m.diffuse_reflectance.map_or_else(String::new, three)),
+    ];
+    print(&Table::of(&Preset::all().collect::<Vec<_>>(), &columns).text())
 }

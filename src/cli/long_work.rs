@@ -91,7 +91,7 @@ pub fn of_plan(load: &Workload) -> String {
     let mut text = String::new();
     if !rows.is_empty() {
         text += "\nrays: of a frame from scratch, at most; estimated from a sample: how many are cast, and boxes of triangles along each\n";
-        text += &table(&["stage", "rays", "one per", "cast", "boxes"], &[1, 3, 4], &rows);
+        text += &table(["stage", "rays", "one per", "cast", "boxes"], rows);
     }
     if load.near > 0.0 {
         let (near, pairs) = (count(load.near), count(load.pairs()));

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::replace::ReplaceArgument;
-use super::{DeviceArgument, SceneArguments, check_messages, print, table, validation};
+use super::{DeviceArgument, SceneArguments, check_messages, print, validation, write};
 use milkglass::Session;
 use milkglass::error::{Input, Result};
 use milkglass::internals::pipeline::plan::{Goal, Mode, Options, ShadingMethod};
 use milkglass::internals::state::Scheme;
-use milkglass::internals::view::atomic_file::{ready, write_atomically};
-use milkglass::measure::norms::Norms;
+use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::pareto::{
-    Against, Bench, Leaves, Lighting, METHODS, Method, Norm, Origin, Settings, Sweep, csv, extent_mm, mark, materials,
-    ratios, svg, sweep,
+    Against, Bench, Leaves, Lighting, METHODS, Method, Origin, Point, Ratio, Run, Settings, Sweep, csv, mark, ratios,
+    svg, sweep,
 };
+use milkglass::measure::table::{Column, Table};
 
 /// Arguments of `pareto`.
 #[derive(Args)]
@@ -103,19 +103,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         found = after;
     }
     check_messages(device.as_ref())?;
-    let origin = Origin {
-        device: device.as_ref().map_or("cpu", |device| device.name()).to_string(),
-        driver: device.as_ref().map_or("the f64 reference", |device| device.driver()).to_string(),
-        scene: scene.name.clone(),
-        faces: scene.objects.iter().map(|object| object.mesh.triangles.len()).sum(),
-        extent_mm: extent_mm(&scene),
-        material: materials(&scene),
-        repeat: settings.repeat,
-    };
+    let origin = Origin::new(&scene, device.as_ref(), settings.repeat);
     print(&text(&found, &origin))?;
-    let write = |path: &Path, text: String| {
-        write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
-    };
     arguments.csv.iter().try_for_each(|path| write(path, csv(&found, &origin)?))?;
     arguments.svg.iter().try_for_each(|path| write(path, svg(&found, &origin)?))
 }
@@ -123,17 +112,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// Wall times with the built-in shaders and with the user's, point by point.
 fn replaced(before: &Sweep, after: &Sweep) -> String {
     let pairs = before.points.iter().zip(&after.points);
-    let rows: Vec<_> = pairs
+    let rows: Vec<(&Point, [f64; 2])> = pairs
         .filter_map(|(point, other)| {
             let (before, after) = (point.run.as_ref().ok()?, other.run.as_ref().ok()?);
-            let cells =
-                [point.lighting.name(), point.method.name].map(String::from).into_iter().chain([point.setting()]);
-            let times = [before.wall_ms, after.wall_ms].map(|ms| format!("{ms:.2}"));
-            Some(cells.chain(times).chain([format!("{:.3}", after.wall_ms / before.wall_ms)]).collect())
+            Some((point, [before.wall_ms, after.wall_ms]))
         })
         .collect();
-    let header = ["", "method", "setting", "built-in ms", "replaced ms", "ratio"];
-    format!("one sweep after the other; what follows is the replaced one's\n{}\n", table(&header, &[3, 4, 5], &rows))
+    let columns: [Column<'_, (&Point, [f64; 2])>; 6] = [
+        ("", "", &|(point, _)| point.lighting.name().into()),
+        ("method", "", &|(point, _)| point.method.name.into()),
+        ("setting", "", &|(point, _)| point.setting()),
+        ("built-in ms", "", &|(_, [before, _])| format!("{before:.2}")),
+        ("replaced ms", "", &|(_, [_, after])| format!("{after:.2}")),
+        ("ratio", "", &|(_, [before, after])| format!("{:.3}", after / before)),
+    ];
+    let table = Table::of(&rows, &columns).text();
+    format!("one sweep after the other; what follows is the replaced one's\n{table}\n")
 }
 
 /// An error if the name's extension is that of another format.
@@ -227,72 +221,44 @@ fn left_out(found: &Sweep) -> String {
 /// The points under one lighting.
 fn points(found: &Sweep, lighting: Lighting) -> String {
     let fronts = [Against::Own, Against::Total].map(|against| mark(found, against));
-    let mut rows = Vec::new();
-    for (k, point) in found.points.iter().enumerate().filter(|(_, point)| point.lighting == lighting) {
-        let Ok(run) = &point.run else { continue };
-        let errors = |norms: Norms, front: bool| {
-            let star = if front { "*" } else { "" };
-            let cell = |x: f64| if x.is_nan() { "-".to_string() } else { format!("{x:.1e}") };
-            [norms.l2, norms.p99, norms.max].map(cell).into_iter().chain([star.to_string()])
-        };
-        let leaves = if point.method.leaves == Leaves::Exact { 0.0 } else { found.midpoint.l2 };
-        let spread = (run.range_ms[1] - run.range_ms[0]) / run.wall_ms;
-        let mut cells = vec![
-            point.method.name.to_string(),
-            point.setting(),
-            run.device_ms.map_or("n/a".into(), |ms| format!("{ms:.2}")),
-            format!("{:.2}", run.wall_ms),
-            format!("{:.0} %", 100.0 * spread),
-            format!("{:.1}", run.busy),
-        ];
-        cells.extend(errors(run.own, fronts[0][k]));
-        cells.push(if leaves > 0.0 { format!("{leaves:.1e}") } else { "0".into() });
-        cells.extend(errors(run.total, fronts[1][k]));
-        cells.push(run.links_per_face.map_or("-".into(), |links| format!("{links:.1}")));
-        cells.extend(run.truth.iter().flat_map(|truth| truth.l2.map(|l2| format!("{l2:.1e}"))));
-        rows.push(cells);
-    }
-    let header = [
-        lighting.name(),
-        "setting",
-        "device",
-        "wall",
-        "spread",
-        "busy",
-        "own L2",
-        "p99",
-        "max",
-        "",
-        "leaves",
-        "total L2",
-        "p99",
-        "max",
-        "",
-        "links/face",
+    let all = found.points.iter().enumerate().filter(|(_, point)| point.lighting == lighting);
+    let rows: Vec<(usize, &Point, &Run)> =
+        all.filter_map(|(k, point)| Some((k, point, point.run.as_ref().ok()?))).collect();
+    let error = |x: f64| if x.is_nan() { "-".to_string() } else { format!("{x:.1e}") };
+    let star = |front: bool| if front { "*" } else { "" }.to_string();
+    let exact = |point: &Point| point.method.leaves == Leaves::Exact || found.midpoint.l2 <= 0.0;
+    let truth = |run: &Run, channel: usize| run.truth.map_or_else(String::new, |truth| error(truth.l2[channel]));
+    let columns: [Column<'_, (usize, &Point, &Run)>; 19] = [
+        (lighting.name(), "", &|(_, point, _)| point.method.name.into()),
+        ("setting", "", &|(_, point, _)| point.setting()),
+        ("device", "", &|(.., run)| run.device_ms.map_or("n/a".into(), |ms| format!("{ms:.2}"))),
+        ("wall", "", &|(.., run)| format!("{:.2}", run.wall_ms)),
+        ("spread", "", &|(.., run)| format!("{:.0} %", 100.0 * (run.range_ms[1] - run.range_ms[0]) / run.wall_ms)),
+        ("busy", "", &|(.., run)| format!("{:.1}", run.busy)),
+        ("own L2", "", &|(.., run)| error(run.own.l2)),
+        ("p99", "", &|(.., run)| error(run.own.p99)),
+        ("max", "", &|(.., run)| error(run.own.max)),
+        ("", "", &|(k, ..)| star(fronts[0][*k])),
+        ("leaves", "", &|(_, point, _)| if exact(point) { "0".into() } else { error(found.midpoint.l2) }),
+        ("total L2", "", &|(.., run)| error(run.total.l2)),
+        ("p99", "", &|(.., run)| error(run.total.p99)),
+        ("max", "", &|(.., run)| error(run.total.max)),
+        ("", "", &|(k, ..)| star(fronts[1][*k])),
+        ("links/face", "", &|(.., run)| run.links_per_face.map_or("-".into(), |links| format!("{links:.1}"))),
+        ("truth r", "", &|(.., run)| truth(run, 0)),
+        ("g", "", &|(.., run)| truth(run, 1)),
+        ("b", "", &|(.., run)| truth(run, 2)),
     ];
-    let truth = if found.truth.is_some() { &["truth r", "g", "b"][..] } else { &[] };
-    let right = [2, 3, 4, 5, 6, 7, 8, 10, 11, 12, 13, 15, 16, 17, 18];
-    table(&[&header, truth].concat(), &right[..12 + truth.len()], &rows)
+    let count = if found.truth.is_some() { columns.len() } else { columns.len() - 3 };
+    Table::of(&rows, &columns[..count]).text()
 }
 
 /// Times at equal error.
 fn ratio_table(found: &Sweep) -> String {
     let base = &METHODS[0];
-    let rows: Vec<Vec<String>> = ratios(found, base)
-        .iter()
-        .map(|ratio| {
-            let norm = match ratio.norm {
-                Norm::L2 => "L2",
-                Norm::P99 => "p99",
-            };
-            let error = format!("{norm} {}", ratio.against.name());
-            let (light, method) = (ratio.lighting.name().to_string(), ratio.method.name.to_string());
-            vec![light, error, method, ratio.cell(0), ratio.cell(1), ratio.cell(2)]
-        })
-        .collect();
-    let about = format!(
-        "wall time at equal error, and its ratio to that of {} (above 1: slower); read between points, never beyond\n",
-        base.name
-    );
-    about + &table(&["", "error", "method", "1e-2", "1e-3", "1e-4"], &[3, 4, 5], &rows)
+    format!(
+        "wall time at equal error, and its ratio to that of {} (above 1: slower); read between points, never beyond\n{}",
+        base.name,
+        Ratio::table(&ratios(found, base)).text()
+    )
 }

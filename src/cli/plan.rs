@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::long_work::{json_of, of_plan};
-use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
+use super::{RunArguments, SceneArguments, open_session, print, size, table, validation, write};
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::constants;
 use milkglass::internals::pipeline::about_mode;
@@ -19,7 +19,7 @@ use milkglass::internals::session::requirements::{KernelRequirements, StageRequi
 use milkglass::internals::session::run::Session;
 use milkglass::internals::state::Extent;
 use milkglass::internals::transport::octree::HOST;
-use milkglass::internals::view::atomic_file::{ready, write_atomically};
+use milkglass::internals::view::atomic_file::ready;
 
 /// Arguments of `plan`.
 #[derive(Args)]
@@ -101,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stages
             .insert(place, [HOST.name, HOST.about, HOST.equation, HOST.writes.spec().name].map(String::from).to_vec());
     }
-    text += &table(&["stage", "does", "from", "writes"], &[], &stages);
+    text += &table(["stage", "does", "from", "writes"], stages.clone());
     text += "\nwork: of a frame from scratch; bytes bound, each once\n";
     text += &work(&needs);
     let load = session.workload();
@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         kernels.push(vec![need.name.clone(), need.dispatches.to_string(), need.specialized()?]);
     }
     text += "\nkernels: a pipeline each\n";
-    text += &table(&["kernel", "dispatches", "specialization constants"], &[1], &kernels);
+    text += &table(["kernel", "dispatches", "specialization constants"], kernels);
 
     // Lists start at a guess and grow to what a frame needs.
     let misfits = session.misfits(WHOLE)?;
@@ -141,10 +141,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     buffers.push(vec!["total".into(), String::new(), String::new(), size(total(&session)), String::new()]);
     text += "\nbuffers\n";
-    text += &table(&["buffer", "one per", "elements", "size", ""], &[2, 3], &buffers);
+    text += &table(["buffer", "one per", "elements", "size", ""], buffers);
     text += "\nleft out\n";
     let left: Vec<_> = plan.left_out.iter().map(|(what, why)| vec![what.to_string(), why.clone()]).collect();
-    text += &table(&["stage", "because"], &[], &left);
+    text += &table(["stage", "because"], left);
     print(&text)?;
 
     if let Some(path) = &arguments.json {
@@ -174,7 +174,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "left_out": plan.left_out.iter().map(|(what, why)| json!({"stage": what, "because": why}))
                 .collect::<Vec<_>>(),
         });
-        write_atomically(path, |beside| std::fs::write(beside, format!("{value:#}\n")).map_err(|e| e.to_string()))?;
+        write(path, format!("{value:#}\n"))?;
     }
     Ok(())
 }
@@ -186,7 +186,7 @@ fn work(needs: &[StageRequirements]) -> String {
         vec![need.stage.to_string(), need.steps.to_string(), need.dispatches.to_string(), read, written]
     };
     let rows: Vec<_> = needs.iter().map(row).collect();
-    table(&["stage", "steps", "dispatches", "to read", "to write"], &[1, 2, 3, 4], &rows)
+    table(["stage", "steps", "dispatches", "to read", "to write"], rows)
 }
 
 /// Bytes of all buffers.

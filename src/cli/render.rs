@@ -184,7 +184,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// Prints the number of emitters per level.
 fn print_levels(emitters: &Emitters) -> Result<()> {
-    print(&table(&["level", "emitters", "triangles in them", "colour"], &[0, 1, 2], &level_rows(emitters)))
+    print(&table(["level", "emitters", "triangles in them", "colour"], level_rows(emitters)))
 }
 
 /// The level, its emitters, the triangles in them and its colour, by level.
@@ -223,7 +223,7 @@ pub fn curvature_rows(view: &CurvatureView, unit_mm: f64) -> Vec<Vec<String>> {
 /// Prints the colour scale of a curvature picture.
 fn print_curvature(curvature_view: &CurvatureView, unit_mm: f64) -> Result<()> {
     let rows = curvature_rows(curvature_view, unit_mm);
-    print(&table(&["kappa, 1/mm", "1 / kappa, mm", "colour"], &[0, 1], &rows))?;
+    print(&table(["kappa, 1/mm", "1 / kappa, mm", "colour"], rows))?;
     let [median, most] = curvature_view.apart.map(|share| 100.0 * share);
     print(&format!("a cubic fit differs by {median:.1} % of the sum of both (median), {most:.0} % (95th percentile)\n"))
 }

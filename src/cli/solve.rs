@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::faces::{csv, ply};
 use super::long_work::tell_long_work;
-use super::{RunArguments, SceneArguments, check_messages, open_session, print, run_frame, table, validation};
+use super::{RunArguments, SceneArguments, check_messages, open_session, print, run_frame, table, validation, write};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Timing;
 use milkglass::internals::layout::BufferId;
@@ -15,7 +15,7 @@ use milkglass::internals::phases::{phase, phases};
 use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use milkglass::internals::session::run::Session;
 use milkglass::internals::state::Scheme;
-use milkglass::internals::view::atomic_file::{ready, write_atomically};
+use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::check;
@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             Format::Csv => csv(&session, &faces),
             Format::Ply => ply(&session, &faces),
         };
-        write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))?;
+        write(path, text)?;
     }
     if arguments.times {
         print_times(&mut session, &times)?;
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             vec![name.to_string(), format!("{:.3e}", n.l2), format!("{:.3e}", n.p99), format!("{:.3e}", n.max)]
         };
         let rows = [row("r", &norms[0]), row("g", &norms[1]), row("b", &norms[2]), row("worst", &all)];
-        print(&table(&["channel", "L2", "p99", "max"], &[1, 2, 3], &rows))?;
+        print(&table(["channel", "L2", "p99", "max"], rows.to_vec()))?;
         if let Some(Quality { covered, ratio, rank }) = checked.estimate {
             let share = 100.0 * covered;
             print(&format!(
@@ -179,8 +179,8 @@ pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     let rows: Vec<_> = rows.into_iter().map(row).collect();
     let data = &session.state().data;
     let links: u64 = data.spans.iter().map(|span| u64::from(span.links)).sum();
-    print(&table(&["stage", "steps", "ms"], &[1, 2], &rows))?;
-    print(&table(&["beside stages", "ms"], &[1], &between))?;
+    print(&table(["stage", "steps", "ms"], rows))?;
+    print(&table(["beside stages", "ms"], between))?;
     let count = |of: fn(&milkglass::internals::layout::Runs) -> u32| {
         session.state().runs().map(|run| u64::from(of(run))).sum::<u64>()
     };

@@ -1,8 +1,11 @@
-//! Output of commands: plain text, tables and sizes on stdout; messages on stderr.
+//! Output of commands: plain text, tables and sizes on stdout; messages on stderr; files.
 
 use std::io::Write;
+use std::path::Path;
 
 use milkglass::error::{Input, Result};
+use milkglass::internals::view::atomic_file::write_atomically;
+use milkglass::measure::table::Table;
 
 /// Writes a line to standard error; a failure to write is ignored.
 macro_rules! tell {
@@ -23,23 +26,14 @@ pub(super) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// A table with aligned columns; columns in `right` are right-aligned.
-pub(super) fn table(header: &[&str], right: &[usize], rows: &[Vec<String>]) -> String {
-    let width =
-        |k: usize| rows.iter().map(|row| row[k].chars().count()).chain([header[k].chars().count()]).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..header.len()).map(width).collect();
-    let line = |cells: &mut dyn Iterator<Item = &str>| {
-        let padded = cells.enumerate().map(|(k, cell)| {
-            let gap = " ".repeat(widths[k].saturating_sub(cell.chars().count()));
-            if right.contains(&k) { format!("{gap}{cell}") } else { format!("{cell}{gap}") }
-        });
-        format!("{}\n", padded.collect::<Vec<_>>().join("  ").trim_end())
-    };
-    let mut text = line(&mut header.iter().copied());
-    for row in rows {
-        text += &line(&mut row.iter().map(String::as_str));
-    }
-    text
+/// A table with aligned columns as text.
+pub(super) fn table<'a>(heads: impl IntoIterator<Item = &'a str>, rows: Vec<Vec<String>>) -> String {
+    Table::plain(heads, rows).text()
+}
+
+/// Writes a file, whole or not at all.
+pub(super) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
+    write_atomically(path, |beside| std::fs::write(beside, content).map_err(|error| error.to_string()))
 }
 
 /// Bytes in a readable unit.

@@ -1,15 +1,17 @@
 //! `milkglass validity`: shows where shading by curvature is a good approximation of the dipole, and where it is not.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use plotters::prelude::*;
 
 use super::device::DeviceArgument;
-use super::{SceneArguments, check_messages, print, table, validation};
-use milkglass::error::{Error, Input, Result};
-use milkglass::internals::view::atomic_file::{ready, write_atomically};
-use milkglass::measure::validity::{BENT, Place, Share, THICK, lambert_share, places, share, verdict};
+use super::{SceneArguments, check_messages, print, validation, write};
+use milkglass::error::{Input, Result};
+use milkglass::internals::view::atomic_file::ready;
+use milkglass::measure::table::{Column, Table};
+use milkglass::measure::validity::{
+    BENT, Place, Share, THICK, lambert_share, parts, places, share, span, svg, verdict,
+};
 
 /// Arguments of `validity`.
 #[derive(Args)]
@@ -39,89 +41,55 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(Input::new("no light enters any object").expected("an object that is not opaque").into());
     }
 
-    // Rows by thickness, columns by sigma.
-    let edges = |inner: &[f64]| [&[0.0], inner, &[f64::INFINITY]].concat();
-    let (thick, bent) = (edges(&THICK), edges(&BENT));
-    let within = |x: f64, pair: &[f64]| x >= pair[0] && (x < pair[1] || pair[1].is_infinite());
-    let span = |pair: &[f64]| match pair[1].is_infinite() {
-        true => format!("from {}", pair[0]),
-        false => format!("{} to {}", pair[0], pair[1]),
-    };
-    let cell = |part: Share| match part.area > 0.0 {
-        true => format!("{:.0} % ({:.0} %)", 100.0 * part.error, 100.0 * part.area),
-        false => "-".into(),
-    };
-    let percent = |part: Share| if part.area > 0.0 { format!("{:.0} %", 100.0 * part.error) } else { "-".into() };
-    let row = |pair: &[f64]| {
-        let mut cells = vec![span(pair)];
-        let both = |own: &[f64]| cell(share(&all, |p| within(p.thickness, pair) && within(p.sigma, own)));
-        cells.extend(bent.windows(2).map(both));
-        cells.push(cell(share(&all, |p| within(p.thickness, pair))));
-        cells.push(percent(lambert_share(&all, |p| within(p.thickness, pair))));
-        cells
-    };
-    let rows: Vec<_> = thick.windows(2).map(row).collect();
-    let heads: Vec<String> = bent.windows(2).map(|pair| format!("sigma {}", span(pair))).collect();
-    let header: Vec<&str> =
-        ["thickness / sigma_0"].into_iter().chain(heads.iter().map(String::as_str)).chain(["all", "Lambert"]).collect();
     print(&format!(
         "error of the CDRF against the dipole, L2 of the part (its share of the surface); last, of Lambert's cosine\n\n\
          {}\nall: {}; Lambert: {}\n{}\n",
-        table(&header, &[], &rows),
+        by_thickness(&all).text(),
         cell(share(&all, |_| true)),
         percent(lambert_share(&all, |_| true)),
         verdict(&all)
     ))?;
     if let Some(path) = &arguments.csv {
-        write_csv(&all, path)?;
+        write(path, csv(&all)?)?;
     }
-    if let Some(path) = &arguments.svg {
-        let mut picture = String::new();
-        draw(&mut picture, &scene.name, &all).map_err(|e| Error::Check(format!("the plot could not be drawn: {e}")))?;
-        write_atomically(path, |beside| std::fs::write(beside, picture).map_err(|e| e.to_string()))?;
-    }
-    Ok(())
+    arguments.svg.as_ref().map_or(Ok(()), |path| write(path, svg(&scene.name, &all)?))
 }
 
-fn write_csv(all: &[Place], path: &Path) -> Result<()> {
-    let mut text =
-        String::from("object,triangle,channel,area,sigma,thickness_over_sigma_0,B_dipole,B_cdrf,B_lambert\n");
-    for p in all {
-        let Place { object, triangle, channel, area, sigma, thickness, dipole, cdrf, lambert } = p;
-        text += &format!(
-            "{object},{triangle},{channel},{area:e},{sigma:e},{thickness:e},{dipole:e},{cdrf:e},{lambert:e}\n"
-        );
-    }
-    write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
+fn percent(part: Share) -> String {
+    if part.area > 0.0 { format!("{:.0} %", 100.0 * part.error) } else { "-".into() }
 }
 
-/// Most dots of the plot.
-const DOTS: usize = 6000;
+/// The error, and the share of the surface.
+fn cell(part: Share) -> String {
+    if part.area > 0.0 { format!("{} ({:.0} %)", percent(part), 100.0 * part.area) } else { "-".into() }
+}
 
-/// Plots error against thickness, one dot per triangle and channel, coloured by sigma: blue 0, red 1 and more.
-fn draw(picture: &mut String, name: &str, all: &[Place]) -> std::result::Result<(), Box<dyn std::error::Error>> {
-    let root = SVGBackend::with_string(picture, (760, 520)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(&root)
-        .caption(format!("{name}: CDRF / dipole - 1, by thickness; blue to red: sigma 0 to 1"), ("sans-serif", 16))
-        .margin(10)
-        .margin_right(24)
-        .x_label_area_size(40)
-        .y_label_area_size(50)
-        .build_cartesian_2d((0.1..100.0).log_scale(), -1.0..2.0)?;
-    chart
-        .configure_mesh()
-        .x_desc("thickness / sigma_0")
-        .y_desc("error, share of the dipole's radiosity")
-        .light_line_style(WHITE)
-        .draw()?;
-    let every = all.len().div_ceil(DOTS).max(1);
-    let dot = |p: &Place| {
-        let error = ((p.cdrf - p.dipole) / p.dipole).clamp(-1.0, 2.0);
-        let color = HSLColor(0.66 * (1.0 - p.sigma.min(1.0)), 0.8, 0.45);
-        (p.dipole > 0.0).then(|| Circle::new((p.thickness.clamp(0.1, 100.0), error), 1, color.filled()))
+/// Errors by thickness, and in columns by sigma.
+fn by_thickness(all: &[Place]) -> Table {
+    let within = |x: f64, [low, high]: [f64; 2]| x >= low && (x < high || high.is_infinite());
+    let (thick, bent) = (parts(&THICK), parts(&BENT));
+    let row = |own: &[f64; 2]| {
+        let both = |sigma: &[f64; 2]| cell(share(all, |p| within(p.thickness, *own) && within(p.sigma, *sigma)));
+        let whole = cell(share(all, |p| within(p.thickness, *own)));
+        let lambert = percent(lambert_share(all, |p| within(p.thickness, *own)));
+        [span(own)].into_iter().chain(bent.iter().map(both)).chain([whole, lambert]).collect()
     };
-    chart.draw_series(all.iter().step_by(every).filter_map(dot))?;
-    root.present()?;
-    Ok(())
+    let heads: Vec<String> = bent.iter().map(|part| format!("sigma {}", span(part))).collect();
+    let heads = ["thickness / sigma_0"].into_iter().chain(heads.iter().map(String::as_str)).chain(["all", "Lambert"]);
+    Table::plain(heads, thick.iter().map(row).collect())
+}
+
+fn csv(all: &[Place]) -> Result<String> {
+    let columns: [Column<'_, Place>; 9] = [
+        ("object", "", &|p| p.object.to_string()),
+        ("triangle", "", &|p| p.triangle.to_string()),
+        ("channel", "", &|p| p.channel.to_string()),
+        ("area", "", &|p| format!("{:e}", p.area)),
+        ("sigma", "", &|p| format!("{:e}", p.sigma)),
+        ("thickness_over_sigma_0", "", &|p| format!("{:e}", p.thickness)),
+        ("B_dipole", "", &|p| format!("{:e}", p.dipole)),
+        ("B_cdrf", "", &|p| format!("{:e}", p.cdrf)),
+        ("B_lambert", "", &|p| format!("{:e}", p.lambert)),
+    ];
+    Table::of(all, &columns).csv()
 }

@@ -4,6 +4,8 @@
 //! them: a factor of 1 + 3e-5 is 500 times the rounding of a float. The rounding of many values goes either way, and
 //! its mean is far smaller.
 
+use serde::{Deserialize, Serialize};
+
 /// A relative difference counts for this much at most: few values near 0, of which only the absolute difference
 /// means something, do not decide.
 const MOST: f64 = 1e-4;
@@ -18,10 +20,10 @@ const LUCK: f64 = 5.0;
 pub const ALLOWED: f64 = 2e-6;
 
 /// The signed relative differences of one field of a buffer.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Bias {
     /// The buffer.
-    pub buffer: &'static str,
+    pub buffer: String,
     /// The field; empty for a buffer of plain numbers.
     pub field: String,
     /// Number of values that differ; those that a stage leaves as they are do not water the mean down.
@@ -34,9 +36,9 @@ pub struct Bias {
 
 impl Bias {
     /// The differences of `pairs`, reference and device, of a field.
-    pub fn of(buffer: &'static str, field: &str, pairs: impl Iterator<Item = (f32, f32)> + Clone) -> Self {
+    pub fn of(buffer: &str, field: &str, pairs: impl Iterator<Item = (f32, f32)> + Clone) -> Self {
         let largest = pairs.clone().map(|(p, _)| f64::from(p).abs()).filter(|p| p.is_finite()).fold(0.0, f64::max);
-        let mut bias = Self { buffer, field: field.into(), count: 0, sum: 0.0, squares: 0.0 };
+        let mut bias = Self { buffer: buffer.into(), field: field.into(), ..Self::default() };
         for (p, q) in pairs.map(|(p, q)| (f64::from(p), f64::from(q))) {
             if p != q && p != 0.0 && p.abs() >= LEAST * largest && p.is_finite() && q.is_finite() {
                 let off = ((q - p) / p).clamp(-MOST, MOST);
@@ -54,20 +56,33 @@ impl Bias {
         self.sum / self.count.max(1) as f64
     }
 
+    /// The standard error of the mean.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        let count = self.count.max(1) as f64;
+        (self.squares / count - self.mean().powi(2)).max(0.0).sqrt() / count.sqrt()
+    }
+
     /// Whether it is more than rounding and luck.
     #[must_use]
     pub fn leans(&self) -> bool {
-        let count = self.count.max(1) as f64;
-        let error = (self.squares / count - self.mean().powi(2)).max(0.0).sqrt() / count.sqrt();
-        self.count >= ENOUGH && self.mean().abs() > ALLOWED + LUCK * error
+        self.count >= ENOUGH && self.mean().abs() > ALLOWED + LUCK * self.error()
+    }
+
+    /// The field's name after that of its buffer.
+    #[must_use]
+    pub fn place(&self) -> String {
+        let dot = if self.field.is_empty() { "" } else { "." };
+        format!("{}{dot}{}", self.buffer, self.field)
     }
 
     /// What is wrong, in words.
     pub fn fault(&self, place: &str) -> String {
-        let (dot, mean) = (if self.field.is_empty() { "" } else { "." }, self.mean());
         format!(
-            "{place}{}{dot}{} is off by {mean:+.1e} of itself in the mean of {} values; rounding stays below {ALLOWED:.0e}",
-            self.buffer, self.field, self.count
+            "{place}{} is off by {:+.1e} of itself in the mean of {} values; rounding stays below {ALLOWED:.0e}",
+            self.place(),
+            self.mean(),
+            self.count
         )
     }
 }

@@ -10,6 +10,7 @@ use crate::gpu::Device;
 use crate::layout::BufferId;
 use crate::measure::norms::worst;
 use crate::measure::reference::verify;
+use crate::measure::table::Table;
 use crate::pipeline::plan::{Change, Goal, Mode, Options};
 use crate::scene::{Deform, Scene, Scheme};
 use crate::session::run::Session;
@@ -70,37 +71,31 @@ pub struct Row {
 }
 
 impl Row {
-    /// The column headings.
-    pub const HEADS: [&'static str; 11] = [
-        "scene",
-        "scheme",
-        "mode",
-        "change",
-        "time",
-        "of scratch",
-        "wall",
-        "wall of scratch",
-        "links",
-        "form factors",
-        "L2",
-    ];
-
-    /// The row as table cells.
+    /// A row each.
     #[must_use]
-    pub fn cells(&self) -> [String; 11] {
-        [
-            format!("{}, {} triangles", self.scene.0, self.scene.1),
-            self.scheme.into(),
-            self.mode.into(),
-            self.change.into(),
-            format!("{:.1} ms", self.milliseconds),
-            format!("{:.2}", self.ratio),
-            format!("{:.1} ms", self.wall),
-            format!("{:.2}", self.wall_ratio),
-            self.links.to_string(),
-            self.factors.to_string(),
-            format!("{:.1e}", self.error),
-        ]
+    pub fn table(rows: &[Self]) -> Table {
+        // An empty sum of floats is -0.
+        let ms = |ms: f64| format!("{:.1} ms", ms + 0.0);
+        Table::of(
+            rows,
+            &[
+                ("scene", "", &|row| format!("{}, {} triangles", row.scene.0, row.scene.1)),
+                ("scheme", "how clusters are linked: ours (blocks), or as published (links)", &|row| row.scheme.into()),
+                ("mode", "what is kept from frame to frame", &|row| row.mode.into()),
+                ("change", "what changes before each frame", &|row| row.change.into()),
+                ("time", "median time of a frame's stages", &|row| ms(row.milliseconds)),
+                (
+                    "of scratch",
+                    "that time over the one of a frame on the fly in which every vertex has moved",
+                    &|row| format!("{:.2}", row.ratio),
+                ),
+                ("wall", "median time of the edit and the frame by the host's clock", &|row| ms(row.wall)),
+                ("wall of scratch", "the same of that", &|row| format!("{:.2}", row.wall_ratio)),
+                ("links", "entries of all lists", &|row| row.links.to_string()),
+                ("form factors", "form factors that the last frame computed", &|row| row.factors.to_string()),
+                ("L2", "relative L2 error of the radiosity, worst channel", &|row| format!("{:.1e}", row.error)),
+            ],
+        )
     }
 }
 

@@ -8,6 +8,7 @@ use crate::error::{Input, Result};
 use crate::geometry::trace::trace;
 use crate::gpu::Device;
 use crate::layout::BufferId;
+use crate::measure::plot::{Axis, Panel, Series, hue};
 use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::scene::{Receivers, Scene};
 use crate::session::run::Session;
@@ -192,6 +193,37 @@ pub fn verdict(places: &[Place]) -> String {
         percent(part.error),
         percent(rest.error)
     )
+}
+
+/// A part of a range, in words.
+#[must_use]
+pub fn span(ends: &[f64]) -> String {
+    if ends[1].is_infinite() { format!("from {}", ends[0]) } else { format!("{} to {}", ends[0], ends[1]) }
+}
+
+/// The parts between these limits, from 0 to infinity.
+#[must_use]
+pub fn parts(limits: &[f64]) -> Vec<[f64; 2]> {
+    let edges = [&[0.0], limits, &[f64::INFINITY]].concat();
+    edges.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+/// Most dots of the plot.
+const DOTS: usize = 4000;
+
+/// Draws error against thickness, a dot per triangle and channel, from blue to red by sigma.
+pub fn svg(name: &str, all: &[Place]) -> Result<String> {
+    let every = all.len().div_ceil(DOTS).max(1);
+    let some: Vec<&Place> = all.iter().step_by(every).filter(|p| p.dipole > 0.0).collect();
+    let class = |(k, [low, high]): (usize, [f64; 2])| {
+        let own = some.iter().filter(|p| p.sigma >= low && p.sigma < high);
+        let error = |p: &Place| 100.0 * ((p.cdrf - p.dipole) / p.dipole).clamp(-1.0, 2.0);
+        let dots = own.map(|p| (p.thickness.clamp(0.1, 100.0), error(p)));
+        Series::dots(format!("sigma {}", span(&[low, high])), dots).colored(hue(k as f64 / BENT.len() as f64))
+    };
+    let axes = [Axis::log("thickness / sigma_0"), Axis::linear("error, % of the dipole's")];
+    let classes = parts(&BENT).into_iter().enumerate().map(class).collect::<Vec<_>>();
+    Panel::new(format!("{name}: error of the CDRF by thickness"), axes, classes).svg()
 }
 
 #[cfg(test)]

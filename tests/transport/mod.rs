@@ -14,4 +14,5 @@ mod projected;
 mod subdivide;
 mod walk;
 mod walk_light;
+mod walk_native;
 mod walk_truth;

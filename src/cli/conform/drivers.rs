@@ -41,7 +41,7 @@ pub(super) fn side_by_side(all: &Results) -> String {
     }
     let text = "by stage and driver: the largest share of the tolerance that is used, or what is wrong in how many \
                 fixtures\n";
-    format!("{text}{}\n", table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &[], &rows))
+    format!("{text}{}\n", table(header.iter().map(String::as_str), rows))
 }
 
 /// What the comparisons of a stage on a device come to.

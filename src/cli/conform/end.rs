@@ -9,9 +9,9 @@ use crate::cli::compare::described;
 use crate::cli::print;
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::pipeline::frame::owner;
-use milkglass::measure::bias::add;
+use milkglass::measure::bias::{Bias, add};
 use milkglass::measure::results::changes::{Thresholds, changes};
-use milkglass::measure::results::{Mean, Outcome, Results, Verdict};
+use milkglass::measure::results::{Outcome, Results, Verdict};
 use milkglass::measure::verdict::verdict;
 
 /// What stands for the fixture where all of them together show it.
@@ -124,12 +124,11 @@ fn leaning(arguments: &Arguments, sink: &Sink) -> Vec<Outcome> {
         let own = || outcomes.iter().filter(|o| (o.device.as_str(), o.stage.as_str()) == key);
         let mut sums = Vec::new();
         for own in own() {
-            let means: Vec<_> = own.means.iter().filter_map(Mean::bias).collect();
-            if means.iter().any(milkglass::measure::bias::Bias::leans) {
+            if own.means.iter().any(Bias::leans) {
                 sums.clear();
                 break;
             }
-            add(&mut sums, &means);
+            add(&mut sums, &own.means);
         }
         let faults: Vec<String> =
             sums.iter().filter(|sum| sum.leans()).map(|sum| sum.fault("over all fixtures ")).collect();

@@ -5,7 +5,7 @@ use crate::cli::table;
 use milkglass::internals::pipeline::frame::STAGES;
 use milkglass::measure::bias::{add, farthest};
 use milkglass::measure::conform::BINS;
-use milkglass::measure::results::{DeviceFacts, Mean, Outcome};
+use milkglass::measure::results::{DeviceFacts, Outcome};
 
 /// The headings, and the least widths of their columns.
 const COLUMNS: [(&str, usize); 8] = [
@@ -103,7 +103,7 @@ pub(super) fn histogram(outcomes: &[Outcome]) -> String {
         let shares = counts.iter().map(|&count| share(count, all));
         let mut means = Vec::new();
         for own in outcomes.iter().filter(|own| own.device == *device && own.stage == *stage) {
-            add(&mut means, &own.means.iter().filter_map(Mean::bias).collect::<Vec<_>>());
+            add(&mut means, &own.means);
         }
         let mean = farthest(&means).map_or("-".into(), |mean| format!("{mean:+.0e}"));
         [device.to_string(), stage.to_string(), all.to_string()].into_iter().chain(shares).chain([mean]).collect()
@@ -119,7 +119,7 @@ pub(super) fn histogram(outcomes: &[Outcome]) -> String {
     let note = explained(outcomes);
     let text = "\nfloats by their distance from the reference in units in the last place, per cent of all; `mean`: of the \
                 signed relative differences, of the buffer that is farthest off\n";
-    format!("{note}{text}{}\n", table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10, 11], &cells))
+    format!("{note}{text}{}\n", table(header, cells))
 }
 
 /// Why distances that are marked with a star are no failures: of each stage the largest.
@@ -143,5 +143,5 @@ fn explained(outcomes: &[Outcome]) -> String {
     let rows: Vec<_> = largest.iter().map(row).collect();
     let text = "\n* far off in units in the last place and right: the value is small beside what it is computed from. \
                 `relative` and `of tolerance` go by what is allowed. The farthest of each stage:\n";
-    format!("{text}{}", table(&["device", "fixture", "stage", "farthest"], &[], &rows))
+    format!("{text}{}", table(["device", "fixture", "stage", "farthest"], rows))
 }

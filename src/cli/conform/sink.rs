@@ -2,17 +2,18 @@
 
 use std::fs::File;
 use std::io::Write;
+use std::time::SystemTime;
+
+use chrono::{DateTime, SecondsFormat, Utc};
 
 use super::arguments::Arguments;
 use super::choose::Choice;
 use super::expect::Known;
 use super::junit;
 use super::sheet::Sheet;
-use crate::cli::date::now;
-use crate::cli::print;
 use crate::cli::run_args::quoted;
+use crate::cli::{print, write};
 use milkglass::error::{Input, Result};
-use milkglass::internals::view::atomic_file::write_atomically;
 use milkglass::measure::conform::BINS;
 use milkglass::measure::results::{DeviceFacts, Line, Outcome, Results, Run, SCHEMA};
 
@@ -43,7 +44,7 @@ impl Sink {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION").into(),
             commit: option_env!("MILKGLASS_COMMIT").map(str::to_string),
-            date: now(),
+            date: DateTime::<Utc>::from(SystemTime::now()).to_rfc3339_opts(SecondsFormat::Secs, true),
             command: format!("milkglass {}", words.join(" ")),
             most_ulp_of_bins: BINS.to_vec(),
             devices,
@@ -105,12 +106,12 @@ impl Sink {
         if let Some(path) = &arguments.json {
             let text = serde_json::to_string_pretty(&self.all)
                 .map_err(|error| Input::new(format!("could not be written: {error}")).file(path))?;
-            write_atomically(path, |beside| std::fs::write(beside, text + "\n").map_err(|e| e.to_string()))?;
+            write(path, text + "\n")?;
         }
         if let Some(path) = &arguments.junit {
             let text = junit::report(&self.all, &self.known)
                 .map_err(|error| Input::new(format!("could not be written: {error}")).file(path))?;
-            write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))?;
+            write(path, text)?;
         }
         Ok(())
     }

@@ -27,7 +27,7 @@ pub(super) fn text(one: &Session, other: &Session) -> Result<String> {
     if rows.is_empty() {
         return Ok(format!("{left} and {right} need the same\n"));
     }
-    Ok(table(&["", "what", &format!("{left}, as asked for"), &right], &[], &rows))
+    Ok(table(["", "what", &format!("{left}, as asked for"), &right], rows))
 }
 
 /// Everything that a plan lists: values by section and key.

@@ -138,7 +138,7 @@ fn rows_told(names: [&str; 2], rows: &[Ratio], edited: &[String], seconds: f64) 
     let cells: Vec<Vec<String>> = rows.iter().map(|row| cells(row, edited)).collect();
     let [one, two] = names.map(|name| format!("{name} ms"));
     let header = ["stage", &one, "+-", &two, "+-", "ratio", "interval", "shows"];
-    let mut text = table(&header, &[1, 2, 3, 4, 5, 6], &cells) + "\n";
+    let mut text = table(header, cells) + "\n";
     let against = format!("{} against {}", names[1], names[0]);
     for stage in edited {
         let shown = match rows.iter().find(|row| row.what == *stage) {

@@ -18,11 +18,11 @@ pub(super) use self::comparison::{half, rounds, unmet};
 use self::pipe::{Other, serve};
 use self::text::{text, work_told};
 use super::replace::replaced;
-use super::{check_messages, print};
+use super::{check_messages, print, write};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
-use milkglass::internals::view::atomic_file::{ready, write_atomically};
+use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::profile::file::{Saved, read};
 use milkglass::measure::profile::why::why;
 use milkglass::measure::profile::{Open, Settings, against, agreement, profile, result, variant, work};
@@ -217,11 +217,6 @@ fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: Valu
         all.insert("comparison".into(), comparison);
     }
     write(path, format!("{value:#}\n"))
-}
-
-/// Writes a text. The file appears whole or not at all.
-pub(super) fn write(path: &Path, text: String) -> Result<()> {
-    write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
 }
 
 /// Name and driver of a device, or of the CPU's reference.

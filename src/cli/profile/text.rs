@@ -1,8 +1,9 @@
 //! A profile as text: the frame, the device's rates, and a row for each stage.
 
 use super::comparison::half;
-use crate::cli::{size, table};
+use crate::cli::size;
 use milkglass::measure::profile::{Profile, Quantiles, Row, Work};
+use milkglass::measure::table::Table;
 
 /// A median and its spread.
 fn milliseconds(spread: Option<Quantiles>) -> [String; 2] {
@@ -75,25 +76,7 @@ pub(super) fn text(found: &Profile) -> String {
                  divisions and roots, exponentials\nand the like; then shares of copy, FMA and exp rate\n";
     }
     text.push('\n');
-    let rows: Vec<Vec<String>> = found.rows.iter().map(|row| cells(found, row)).collect();
-    let header = [
-        "stage",
-        "device",
-        "+-",
-        "spread",
-        "wall",
-        "dispatches",
-        "read",
-        "written",
-        "asked",
-        "flop",
-        "div",
-        "exp",
-        "copy",
-        "fma",
-        "exp",
-    ];
-    text += &table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14], &rows);
+    text += &stages(found).text();
     found.notes.iter().for_each(|note| text += &format!("\n{note}\n"));
     text
 }
@@ -106,22 +89,33 @@ fn frames(found: &Profile) -> String {
     }
 }
 
-fn cells(found: &Profile, row: &Row) -> Vec<String> {
-    let [device, spread] = milliseconds(row.device);
-    let plus = row.interval.as_ref().map_or_else(|| "-".into(), half);
-    let steps = if row.steps > 1 { format!(" in {} steps", row.steps) } else { String::new() };
-    let mut cells =
-        vec![format!("{}{steps}", row.stage), device, plus, spread, milliseconds(Some(row.wall))[0].clone()];
-    cells.push(row.dispatches.to_string());
-    let work = row.work.map(|work| {
-        let bytes = [work.read, work.written, work.loaded + work.stored].map(size);
-        let counts = [work.flops, work.roots, work.exps].map(millions);
-        [bytes, counts].concat()
-    });
-    cells.extend(work.unwrap_or_else(|| vec!["-".to_string(); 6]));
-    let percent = |share: Option<f64>| share.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share));
-    cells.extend(found.shares(row).map(percent));
-    cells
+/// The stages with their times, work, and shares of the device's rates.
+fn stages(found: &Profile) -> Table {
+    let work = |row: &Row, of: &dyn Fn(Work) -> String| row.work.map_or_else(|| "-".into(), of);
+    let share = |row: &Row, k: usize| {
+        found.shares(row)[k].map_or_else(|| "-".into(), |share| format!("{:.1} %", 100.0 * share))
+    };
+    let steps = |row: &Row| if row.steps > 1 { format!(" in {} steps", row.steps) } else { String::new() };
+    Table::of(
+        &found.rows,
+        &[
+            ("stage", "", &|row| format!("{}{}", row.stage, steps(row))),
+            ("device", "", &|row| milliseconds(row.device)[0].clone()),
+            ("+-", "", &|row| row.interval.as_ref().map_or_else(|| "-".into(), half)),
+            ("spread", "", &|row| milliseconds(row.device)[1].clone()),
+            ("wall", "", &|row| milliseconds(Some(row.wall))[0].clone()),
+            ("dispatches", "", &|row| row.dispatches.to_string()),
+            ("read", "", &|row| work(row, &|work| size(work.read))),
+            ("written", "", &|row| work(row, &|work| size(work.written))),
+            ("asked", "", &|row| work(row, &|work| size(work.loaded + work.stored))),
+            ("flop", "", &|row| work(row, &|work| millions(work.flops))),
+            ("div", "", &|row| work(row, &|work| millions(work.roots))),
+            ("exp", "", &|row| work(row, &|work| millions(work.exps))),
+            ("copy", "", &|row| share(row, 0)),
+            ("fma", "", &|row| share(row, 1)),
+            ("exp", "", &|row| share(row, 2)),
+        ],
+    )
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ pub(super) fn text(found: &Profile, why: &Why) -> String {
     }
     let header =
         ["stage", "ms", "share", "bound by", "copy", "FMA", "exp", "launch", "barrier", "waits", "create", "first"];
-    text += &table(&header, &[1, 2, 4, 5, 6, 7, 8, 9, 10, 11], &rows);
+    text += &table(header, rows);
     let created: f64 = why.stages.iter().map(|stage| stage.creation_ms).sum();
     let first: f64 = why.stages.iter().filter_map(|stage| stage.first_run_ms).sum();
     let pipelines: usize = why.stages.iter().map(|stage| stage.pipelines).sum();

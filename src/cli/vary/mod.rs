@@ -9,10 +9,10 @@ use serde_json::{Value, json};
 
 use self::text::{list, stages, summary};
 use super::device::DeviceArgument;
-use super::profile::{unmet, write};
+use super::profile::unmet;
 use super::run_args::OptionArguments;
 use super::timing::{MOST, TimingArguments};
-use super::{SceneArguments, check_messages, print, validation};
+use super::{SceneArguments, check_messages, print, validation, write};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{AXES, Device};
 use milkglass::internals::view::atomic_file::ready;

@@ -19,7 +19,7 @@ pub(super) fn list(axes: &[Asked], device: Option<&Device>) -> String {
             vec![format!("  {}", value.name), format!("{}{mark}", value.about), lacks]
         };
         let rows: Vec<Vec<String>> = asked.axis.values.iter().map(row).collect();
-        text += &table(&["  value", "what it means", "lacks"], &[], &rows);
+        text += &table(["  value", "what it means", "lacks"], rows);
     }
     text
 }
@@ -48,7 +48,7 @@ pub(super) fn summary(outcomes: &[Outcome]) -> String {
     format!(
         "\nEach variant against the default: the ratio of a frame's time, and its interval. All intervals of an axis hold \
          together\nwith 95 % (Hodges-Lehmann, signed ranks, over each start's median ratio); * excludes 1.\n\n{}",
-        table(&header, &[1, 2], &rows)
+        table(header, rows)
     )
 }
 
@@ -81,8 +81,7 @@ pub(super) fn stages(outcome: &Outcome) -> String {
         own.into_iter().chain(others).collect()
     };
     let rows: Vec<Vec<String>> = first.iter().enumerate().map(row).collect();
-    let right: Vec<usize> = (1..3).chain((0..values.len()).map(|k| 3 + 2 * k)).collect();
-    let mut text = format!("\n{}\n{}", rounds(samples), table(&header, &right, &rows));
+    let mut text = format!("\n{}\n{}", rounds(samples), table(header, rows));
     samples.doubts().iter().for_each(|doubt| text += &format!("{doubt}\n"));
     text
 }

@@ -1,5 +1,5 @@
-//! Balls of a material by a random walk, beside those by the dipole in [`crate::shading::balls`], and the plot of both
-//! (Kubo et al. 2010, figure 6).
+//! Balls of a material by the dipole and by a random walk, sigma_0 fitted to either, and the plot of both (Kubo et al.
+//! 2010, figure 6).
 
-pub mod plot;
+pub mod fit;
 pub mod walk;

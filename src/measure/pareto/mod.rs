@@ -18,10 +18,9 @@ mod yardstick;
 
 pub use front::{Against, front, mark};
 pub use method::{Bench, METHODS, Method, Opened, Solver};
-pub(in crate::measure) use plot::COLORS;
 pub use plot::svg;
 pub use ratios::{Norm, Ratio, Reach, ratios, time_at};
-pub use sheet::{Origin, csv, extent_mm, materials};
+pub use sheet::{Origin, csv};
 pub use sweep::{Settings, sweep};
 pub use yardstick::{Equation, Leaves, Yardstick};
 

@@ -3,6 +3,7 @@
 //! Curves are interpolated between their points, linearly on logarithmic axes, and never extrapolated.
 
 use super::{Against, Lighting, Method, Sweep, front};
+use crate::measure::table::Table;
 
 /// The norm of the error at which times are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,6 +112,31 @@ impl Ratio {
             (Reach::At(time), _) => format!("{time:.2} ms"),
             (Reach::Within(time), _) => format!("<= {time:.2} ms"),
         }
+    }
+
+    /// The norm and the reference of the error.
+    pub fn error(&self) -> String {
+        format!("{} {}", if self.norm == Norm::L2 { "L2" } else { "p99" }, self.against.name())
+    }
+
+    /// A row each.
+    pub fn table(ratios: &[Self]) -> Table {
+        let time = "wall time of a frame with this error, and its ratio to that of the first method";
+        Table::of(
+            ratios,
+            &[
+                ("light", "whether it changes in every frame", &|ratio| ratio.lighting.name().into()),
+                (
+                    "error",
+                    "norm, and what it is measured against: own leaf sums, or the area integral in total",
+                    &Self::error,
+                ),
+                ("method", "", &|ratio| ratio.method.name.into()),
+                ("1e-2", time, &|ratio| ratio.cell(0)),
+                ("1e-3", time, &|ratio| ratio.cell(1)),
+                ("1e-4", time, &|ratio| ratio.cell(2)),
+            ],
+        )
     }
 }
 

@@ -1,8 +1,10 @@
 //! A sweep as CSV: one row per point, each complete in itself.
 
-use super::{Against, Leaves, Sweep, mark};
-use crate::error::{Error, Result};
-use crate::measure::norms::Norms;
+use super::{Against, Leaves, Point, Run, Sweep, mark};
+use crate::error::Result;
+use crate::gpu::Device;
+use crate::measure::table::{Column, Table};
+use crate::measure::truth::TruthError;
 use crate::scene::{Material, Scene};
 
 /// The origin of a sweep.
@@ -24,17 +26,31 @@ pub struct Origin {
     pub repeat: usize,
 }
 
+impl Origin {
+    /// Of a sweep over a scene on a device; `None` for the CPU.
+    #[must_use]
+    pub fn new(scene: &Scene, device: Option<&Device>, repeat: usize) -> Self {
+        Self {
+            device: device.map_or("cpu", Device::name).to_string(),
+            driver: device.map_or("the f64 reference", Device::driver).to_string(),
+            scene: scene.name.clone(),
+            faces: scene.objects.iter().map(|object| object.mesh.triangles.len()).sum(),
+            extent_mm: extent_mm(scene),
+            material: materials(scene),
+            repeat,
+        }
+    }
+}
+
 /// The largest extent in millimetres, rounded to six digits.
-#[must_use]
-pub fn extent_mm(scene: &Scene) -> f64 {
+fn extent_mm(scene: &Scene) -> f64 {
     let (low, high) = scene.bounds();
     let extent = (high - low).max_element() * scene.unit_mm;
     format!("{extent:.5e}").parse().unwrap_or(extent)
 }
 
 /// Names and coefficients per millimetre of all materials.
-#[must_use]
-pub fn materials(scene: &Scene) -> String {
+fn materials(scene: &Scene) -> String {
     scene.objects.iter().map(|object| of_object(scene, &object.material)).collect::<Vec<_>>().join("; ")
 }
 
@@ -48,101 +64,69 @@ fn of_object(scene: &Scene, material: &Material) -> String {
     format!("{}: sigma_s' {scattering} /mm, sigma_a {absorption} /mm, eta {}", material.name, show(material.eta))
 }
 
-/// The columns; what is not known is empty. Times are medians in milliseconds; `wall_low_ms` and `wall_high_ms` are
-/// the fastest and slowest frame, `busy` the time of a fixed job over its fastest time. Errors of the worst channel:
-/// `own` against the method's own leaf sums, `total` against the area integral, `leaves` of the leaf sums against the
-/// area integral. `own_front` and `total_front` tell whether a point is on the front of its lighting by that L2.
-const COLUMNS: [&str; 27] = [
-    "device",
-    "driver",
-    "scene",
-    "faces",
-    "extent_mm",
-    "material",
-    "samples",
-    "frames",
-    "light",
-    "method",
-    "parameter",
-    "value",
-    "device_ms",
-    "wall_ms",
-    "wall_low_ms",
-    "wall_high_ms",
-    "busy",
-    "own_l2",
-    "own_p99",
-    "own_max",
-    "own_front",
-    "leaves_l2",
-    "total_l2",
-    "total_p99",
-    "total_max",
-    "total_front",
-    "links_per_face",
-];
-
-/// The columns against a walk, if there is one: L2 of means over patches, and the walk's own noise.
-const TRUTH: [&str; 4] = ["truth_l2_r", "truth_l2_g", "truth_l2_b", "truth_noise"];
-
-/// All points as CSV; a point without measurements has empty cells and the reason in the last column, `left_out`.
+/// All points as CSV; what is not known is empty. Times are medians in milliseconds; `wall_low_ms` and `wall_high_ms`
+/// are the fastest and slowest frame, `busy` the time of a fixed job over its fastest time. Errors of the worst
+/// channel: `own` against the method's own leaf sums, `total` against the area integral, `leaves` of the leaf sums
+/// against the area integral. `own_front` and `total_front` tell whether a point is on the front of its lighting by
+/// that L2. If there is a walk, `truth` is the L2 of means over patches against it, and `truth_noise` its own noise. A
+/// point without measurements has the reason in the last column, `left_out`.
 pub fn csv(sweep: &Sweep, origin: &Origin) -> Result<String> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let lost = |error: &dyn std::fmt::Display| Error::Check(format!("the table could not be written: {error}"));
-    let truth: &[&str] = if sweep.truth.is_some() { &TRUTH } else { &[] };
-    writer.write_record(COLUMNS.iter().chain(truth).copied().chain(["left_out"])).map_err(|e| lost(&e))?;
     let fronts = [Against::Own, Against::Total].map(|against| mark(sweep, against));
-    for (k, point) in sweep.points.iter().enumerate() {
-        let (run, why) = match &point.run {
-            Ok(run) => (Some(run), ""),
-            Err(why) => (None, why.as_str()),
-        };
-        let named = !point.method.parameter.is_empty();
-        let number = |x: Option<f64>| x.filter(|x| !x.is_nan()).map_or_else(String::new, |x| format!("{x:.6e}"));
-        let of = |norms: Option<Norms>, front: bool| {
-            let [l2, p99, max] = [|n: Norms| n.l2, |n: Norms| n.p99, |n: Norms| n.max].map(|f| number(norms.map(f)));
-            [l2, p99, max, if norms.is_some() { u8::from(front).to_string() } else { String::new() }]
-        };
-        let mut cells = vec![
-            origin.device.clone(),
-            origin.driver.clone(),
-            origin.scene.clone(),
-            origin.faces.to_string(),
-            origin.extent_mm.to_string(),
-            origin.material.clone(),
-            sweep.samples.to_string(),
-            origin.repeat.to_string(),
-            point.lighting.name().to_string(),
-            point.method.name.to_string(),
-            point.method.parameter.to_string(),
-            if named { point.value.to_string() } else { String::new() },
-            number(run.and_then(|run| run.device_ms)),
-            number(run.map(|run| run.wall_ms)),
-            number(run.map(|run| run.range_ms[0])),
-            number(run.map(|run| run.range_ms[1])),
-            number(run.map(|run| run.busy)),
-        ];
-        cells.extend(of(run.map(|run| run.own), fronts[0][k]));
-        cells.push(number(run.map(|_| if point.method.leaves == Leaves::Exact { 0.0 } else { sweep.midpoint.l2 })));
-        cells.extend(of(run.map(|run| run.total), fronts[1][k]));
-        cells.push(number(run.and_then(|run| run.links_per_face)));
-        if sweep.truth.is_some() {
-            let found = run.and_then(|run| run.truth);
-            cells.extend((0..3).map(|c| number(found.map(|found| found.l2[c]))));
-            cells.push(number(found.map(|found| found.noise)));
-        }
-        cells.push(why.to_string());
-        writer.write_record(&cells).map_err(|e| lost(&e))?;
-    }
-    let bytes = writer.into_inner().map_err(|e| lost(&e))?;
-    String::from_utf8(bytes).map_err(|e| lost(&e))
+    let points: Vec<(usize, &Point)> = sweep.points.iter().enumerate().collect();
+    let known = |x: f64| if x.is_nan() { String::new() } else { format!("{x:.6e}") };
+    let number = |point: &Point, of: &dyn Fn(&Run) -> Option<f64>| {
+        point.run.as_ref().ok().and_then(of).map_or_else(String::new, known)
+    };
+    let on_front = |(k, point): &(usize, &Point), front: usize| {
+        point.run.as_ref().map_or_else(|_| String::new(), |_| u8::from(fronts[front][*k]).to_string())
+    };
+    let leaves = |point: &Point| if point.method.leaves == Leaves::Exact { 0.0 } else { sweep.midpoint.l2 };
+    let truth = |point: &Point, of: &dyn Fn(TruthError) -> f64| number(point, &|run| run.truth.map(of));
+    let before: [Column<'_, (usize, &Point)>; 27] = [
+        ("device", "", &|_| origin.device.clone()),
+        ("driver", "", &|_| origin.driver.clone()),
+        ("scene", "", &|_| origin.scene.clone()),
+        ("faces", "", &|_| origin.faces.to_string()),
+        ("extent_mm", "", &|_| origin.extent_mm.to_string()),
+        ("material", "", &|_| origin.material.clone()),
+        ("samples", "", &|_| sweep.samples.to_string()),
+        ("frames", "", &|_| origin.repeat.to_string()),
+        ("light", "", &|(_, p)| p.lighting.name().into()),
+        ("method", "", &|(_, p)| p.method.name.into()),
+        ("parameter", "", &|(_, p)| p.method.parameter.into()),
+        ("value", "", &|(_, p)| if p.method.parameter.is_empty() { String::new() } else { p.value.to_string() }),
+        ("device_ms", "", &|(_, p)| number(p, &|run| run.device_ms)),
+        ("wall_ms", "", &|(_, p)| number(p, &|run| Some(run.wall_ms))),
+        ("wall_low_ms", "", &|(_, p)| number(p, &|run| Some(run.range_ms[0]))),
+        ("wall_high_ms", "", &|(_, p)| number(p, &|run| Some(run.range_ms[1]))),
+        ("busy", "", &|(_, p)| number(p, &|run| Some(run.busy))),
+        ("own_l2", "", &|(_, p)| number(p, &|run| Some(run.own.l2))),
+        ("own_p99", "", &|(_, p)| number(p, &|run| Some(run.own.p99))),
+        ("own_max", "", &|(_, p)| number(p, &|run| Some(run.own.max))),
+        ("own_front", "", &|row| on_front(row, 0)),
+        ("leaves_l2", "", &|(_, p)| number(p, &|_| Some(leaves(p)))),
+        ("total_l2", "", &|(_, p)| number(p, &|run| Some(run.total.l2))),
+        ("total_p99", "", &|(_, p)| number(p, &|run| Some(run.total.p99))),
+        ("total_max", "", &|(_, p)| number(p, &|run| Some(run.total.max))),
+        ("total_front", "", &|row| on_front(row, 1)),
+        ("links_per_face", "", &|(_, p)| number(p, &|run| run.links_per_face)),
+    ];
+    let against_walk: [Column<'_, (usize, &Point)>; 4] = [
+        ("truth_l2_r", "", &|(_, p)| truth(p, &|found| found.l2[0])),
+        ("truth_l2_g", "", &|(_, p)| truth(p, &|found| found.l2[1])),
+        ("truth_l2_b", "", &|(_, p)| truth(p, &|found| found.l2[2])),
+        ("truth_noise", "", &|(_, p)| truth(p, &|found| found.noise)),
+    ];
+    let walked = if sweep.truth.is_some() { &against_walk[..] } else { &[] };
+    let why: Column<'_, (usize, &Point)> = ("left_out", "", &|(_, p)| p.run.clone().err().unwrap_or_default());
+    Table::of(&points, &[&before[..], walked, &[why]].concat()).csv()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Lighting, METHODS, Point, Run};
+    use super::super::{Lighting, METHODS};
     use super::*;
-    use crate::measure::truth::TruthError;
+    use crate::measure::norms::Norms;
 
     #[test]
     fn one_row_a_point_and_as_many_cells_as_columns() {
@@ -173,7 +157,7 @@ mod tests {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let header = reader.headers().unwrap().clone();
         let rows: Vec<_> = reader.records().map(|row| row.unwrap()).collect();
-        assert_eq!((rows.len(), header.len()), (2, COLUMNS.len() + TRUTH.len() + 1));
+        assert_eq!((rows.len(), header.len()), (2, 27 + 4 + 1));
         let cell = |row: usize, name: &str| rows[row].get(header.iter().position(|h| h == name).unwrap()).unwrap();
         assert_eq!((cell(0, "driver"), cell(0, "device_ms"), cell(0, "own_front")), ("1, 2", "", "1"));
         assert_eq!(cell(0, "wall_high_ms").parse::<f64>(), Ok(3.0));

@@ -2,36 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::{Profile, Quantiles, Row};
-use crate::error::{Error, Input, Result};
-
-/// The columns of the CSV.
-const COLUMNS: [&str; 24] = [
-    "scene",
-    "device",
-    "driver",
-    "frames",
-    "stage",
-    "steps",
-    "dispatches",
-    "device_ms",
-    "device_ms_p10",
-    "device_ms_p90",
-    "wall_ms",
-    "wall_ms_p10",
-    "wall_ms_p90",
-    "invocations",
-    "flops",
-    "divisions_roots",
-    "exps",
-    "bytes_read",
-    "bytes_written",
-    "bytes_loaded",
-    "bytes_stored",
-    "share_copy",
-    "share_fma",
-    "share_exp",
-];
+use super::{Profile, Quantiles, Row, Work};
+use crate::error::Result;
+use crate::measure::table::{Column, Table};
 
 impl Profile {
     /// A stage's shares of the copy, FMA and exponential rate.
@@ -43,32 +16,36 @@ impl Profile {
 
     /// CSV with one row per stage; cells are empty where nothing was measured.
     pub fn csv(&self) -> Result<String> {
-        let fault =
-            |error: &dyn std::fmt::Display| Error::from(Input::new(format!("the table could not be written: {error}")));
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(COLUMNS).map_err(|error| fault(&error))?;
-        for row in &self.rows {
-            let mut cells = vec![self.scene.clone(), self.device.clone(), self.driver.clone()];
-            cells.extend([
-                self.frames.to_string(),
-                row.stage.clone(),
-                row.steps.to_string(),
-                row.dispatches.to_string(),
-            ]);
-            for spread in [row.device, Some(row.wall)] {
-                let show = |of: fn(&Quantiles) -> f64| {
-                    spread.as_ref().map_or_else(String::new, |spread| of(spread).to_string())
-                };
-                cells.extend([show(|s| s.median), show(|s| s.low), show(|s| s.high)]);
-            }
-            let counts =
-                row.work.map(|w| [w.invocations, w.flops, w.roots, w.exps, w.read, w.written, w.loaded, w.stored]);
-            cells.extend(counts.map_or([const { String::new() }; 8], |counts| counts.map(|count| count.to_string())));
-            cells.extend(self.shares(row).map(|share| share.map_or_else(String::new, |share| share.to_string())));
-            writer.write_record(&cells).map_err(|error| fault(&error))?;
-        }
-        let bytes = writer.into_inner().map_err(|error| fault(&error))?;
-        String::from_utf8(bytes).map_err(|error| fault(&error))
+        let shown = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
+        let device = |row: &Row, of: fn(Quantiles) -> f64| shown(row.device.map(of));
+        let work = |row: &Row, of: fn(Work) -> u64| row.work.map_or_else(String::new, |work| of(work).to_string());
+        let columns: [Column<'_, Row>; 24] = [
+            ("scene", "", &|_| self.scene.clone()),
+            ("device", "", &|_| self.device.clone()),
+            ("driver", "", &|_| self.driver.clone()),
+            ("frames", "", &|_| self.frames.to_string()),
+            ("stage", "", &|row| row.stage.clone()),
+            ("steps", "", &|row| row.steps.to_string()),
+            ("dispatches", "", &|row| row.dispatches.to_string()),
+            ("device_ms", "", &|row| device(row, |ms| ms.median)),
+            ("device_ms_p10", "", &|row| device(row, |ms| ms.low)),
+            ("device_ms_p90", "", &|row| device(row, |ms| ms.high)),
+            ("wall_ms", "", &|row| row.wall.median.to_string()),
+            ("wall_ms_p10", "", &|row| row.wall.low.to_string()),
+            ("wall_ms_p90", "", &|row| row.wall.high.to_string()),
+            ("invocations", "", &|row| work(row, |work| work.invocations)),
+            ("flops", "", &|row| work(row, |work| work.flops)),
+            ("divisions_roots", "", &|row| work(row, |work| work.roots)),
+            ("exps", "", &|row| work(row, |work| work.exps)),
+            ("bytes_read", "", &|row| work(row, |work| work.read)),
+            ("bytes_written", "", &|row| work(row, |work| work.written)),
+            ("bytes_loaded", "", &|row| work(row, |work| work.loaded)),
+            ("bytes_stored", "", &|row| work(row, |work| work.stored)),
+            ("share_copy", "", &|row| shown(self.shares(row)[0])),
+            ("share_fma", "", &|row| shown(self.shares(row)[1])),
+            ("share_exp", "", &|row| shown(self.shares(row)[2])),
+        ];
+        Table::of(&self.rows, &columns).csv()
     }
 
     /// The whole profile with all samples, but for the trace; `null` where nothing was measured.

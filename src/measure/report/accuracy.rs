@@ -1,9 +1,10 @@
 //! Section `accuracy`: numerical error beside the model's error.
 
-use super::chart::{Axis, Line, chart};
 use super::{Bench, Page, Tone};
 use crate::error::Result;
 use crate::measure::accuracy::{Effort, PATHS, Pair, models, numerical};
+use crate::measure::plot::{Axis, Panel, Series};
+use crate::measure::table::Table;
 use crate::scene::PRESETS;
 
 /// All presets and channels.
@@ -45,19 +46,13 @@ pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         }
     }
     let [plane, ball, ours] = dots;
-    page.plot(
-        &chart(
-            "Model error and numerical error",
-            Axis { label: "1 - reduced albedo", log: true },
-            Axis { label: "error, %", log: true },
-            &[
-                Line::dots("model: plane, constant light", plane),
-                Line::dots("model: ball, collimated light", ball),
-                Line::dots("numerical: ours", ours),
-            ],
-        )?,
-        false,
-    );
+    let series = [
+        Series::dots("model: plane, constant light", plane),
+        Series::dots("model: ball, collimated light", ball),
+        Series::dots("numerical: ours", ours),
+    ];
+    let axes = [Axis::log("1 - reduced albedo"), Axis::log("error, %")];
+    page.plot(&Panel::new("Model error and numerical error", axes, series).svg()?, false);
     let walk = "the same by a random walk, and its standard error";
     let error = "the dipole's error, per cent of the walk's value";
     let columns = [
@@ -80,7 +75,7 @@ pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("walk's noise %", "the walk's own noise, which is taken off that"),
         ("numerical %", "our error against brute force with the same dipole"),
     ];
-    page.table("accuracy", &columns, &rows)?;
+    page.table("accuracy", &Table::new(columns, rows))?;
     let middle = |of: fn(&(f64, f64)) -> f64| {
         let mut list: Vec<f64> = errors.iter().map(of).collect();
         list.sort_by(f64::total_cmp);

@@ -7,7 +7,8 @@ use crate::measure::bias::farthest;
 use crate::measure::conform::conform as compare;
 use crate::measure::fixtures::fixtures;
 use crate::measure::leaning::{blame, of_stage};
-use crate::measure::stress::{Outcome, stress as extremes};
+use crate::measure::stress::{Bound, Outcome, stress as extremes};
+use crate::measure::table::Table;
 
 /// Fixtures of a quick report: those whose name contains one of these. Together they run every stage.
 const FEW: [&str; 23] = [
@@ -81,36 +82,8 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             stage.faults += row.faults.len();
         }
     }
-    let row = |stage: &Stage| {
-        // Near zero a distance in units in the last place is meaningless.
-        let ulp = if stage.ulp > 1_000_000 { "-".to_string() } else { stage.ulp.to_string() };
-        let word = if stage.faults == 0 { "conforms" } else { "DIFFERS" };
-        let used = format!("{:.2}", 100.0 * stage.used);
-        let mean = farthest(&of_stage(&rows, stage.name)).map_or("-".into(), |mean| format!("{mean:+.0e}"));
-        vec![stage.name.into(), stage.fixtures.to_string(), stage.words.to_string(), ulp, used, mean, word.into()]
-    };
-    let columns = [
-        ("stage", ""),
-        ("fixtures", "scenes made for this test in which the stage was compared"),
-        ("words compared", "4-byte words of the buffers that the stage writes, over all fixtures"),
-        (
-            "largest ulp",
-            "largest distance of a float from the reference, in units in the last place; - above a million, which is \
-             near 0",
-        ),
-        (
-            "largest, % of tolerance",
-            "largest difference from the reference, in per cent of the difference that the stage's tolerance allows; 0 \
-             where only decisions are made, which must agree bit for bit",
-        ),
-        (
-            "mean",
-            "mean of the signed relative differences over all fixtures, of the buffer that is farthest off: rounding \
-             stays below 2e-6, a systematic error does not",
-        ),
-        ("verdict", ""),
-    ];
-    page.table("conform", &columns, &stages.iter().map(row).collect::<Vec<_>>())?;
+    let mean = |stage: &Stage| farthest(&of_stage(&rows, stage.name)).map_or("-".into(), |mean| format!("{mean:+.0e}"));
+    page.table("conform", &conform_table(&stages, &mean))?;
     let (words, faults) =
         (stages.iter().map(|s| s.words).sum::<usize>(), stages.iter().map(|s| s.faults).sum::<usize>());
     if faults == 0 && words > 0 {
@@ -123,6 +96,39 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
+fn conform_table(stages: &[Stage], mean: &dyn Fn(&Stage) -> String) -> Table {
+    Table::of(
+        stages,
+        &[
+            ("stage", "", &|s| s.name.into()),
+            ("fixtures", "scenes made for this test in which the stage was compared", &|s| s.fixtures.to_string()),
+            ("words compared", "4-byte words of the buffers that the stage writes, over all fixtures", &|s| {
+                s.words.to_string()
+            }),
+            (
+                "largest ulp",
+                "largest distance of a float from the reference, in units in the last place; - above a million, which \
+                 is near 0",
+                // Near zero a distance in units in the last place is meaningless.
+                &|s| if s.ulp > 1_000_000 { "-".into() } else { s.ulp.to_string() },
+            ),
+            (
+                "largest, % of tolerance",
+                "largest difference from the reference, in per cent of the difference that the stage's tolerance \
+                 allows; 0 where only decisions are made, which must agree bit for bit",
+                &|s| format!("{:.2}", 100.0 * s.used),
+            ),
+            (
+                "mean",
+                "mean of the signed relative differences over all fixtures, of the buffer that is farthest off: \
+                 rounding stays below 2e-6, a systematic error does not",
+                mean,
+            ),
+            ("verdict", "", &|s| if s.faults == 0 { "conforms" } else { "DIFFERS" }.into()),
+        ],
+    )
+}
+
 /// The extreme cases.
 pub fn stress(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(
@@ -133,34 +139,38 @@ pub fn stress(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     for outcome in &outcomes {
         outcome.faults.iter().for_each(|fault| page.fail(&format!("{}: {fault}", outcome.case.name)));
     }
-    let row = |outcome: &Outcome| {
-        let case = outcome.case;
-        let mut cells = vec![case.name.to_string(), if outcome.sound { "yes" } else { "NO" }.into()];
-        for (error, bound) in [(outcome.usual, case.bound), (outcome.brute, case.brute)] {
-            cells.extend([error.l2, error.max].map(|x| format!("{x:.1e}")));
-            cells.push(format!("{:e} {:e}", bound.l2, bound.max));
-        }
-        cells.push(outcome.octree.map_or("-".into(), |error| format!("{:.1e}", error.l2)));
-        cells.push(if outcome.faults.is_empty() { "passes" } else { "FAILS" }.into());
-        cells.push(case.fallback.into());
-        cells
-    };
-    let columns = [
-        ("case", ""),
-        ("finite", "whether all values are finite and at least 0"),
-        ("L2", "relative L2 error of the usual method against f64"),
-        ("max", "its largest error, over the rms"),
-        ("bounds", "what both errors may be: about three times the largest that was measured on the devices tested"),
-        ("brute L2", "the same of brute force in f32 on the device"),
-        ("brute max", "its largest error"),
-        ("brute bounds", "what both may be"),
-        ("octree L2", "the octree's error, for information: it decides nothing"),
-        ("verdict", ""),
-        ("documented fallback", "what the program does in this case"),
-    ];
-    page.table("stress", &columns, &outcomes.iter().map(row).collect::<Vec<_>>())?;
+    page.table("stress", &stress_table(&outcomes))?;
     verdict(page, "Stable", &format!("{} extreme cases, finite and within their bounds", outcomes.len()));
     Ok(())
+}
+
+/// Extreme cases with their errors, bounds and verdicts.
+#[must_use]
+pub fn stress_table(outcomes: &[Outcome]) -> Table {
+    let number = |x: f64| format!("{x:.1e}");
+    let bounds = |bound: Bound| format!("{:e} {:e}", bound.l2, bound.max);
+    Table::of(
+        outcomes,
+        &[
+            ("case", "", &|o| o.case.name.into()),
+            ("finite", "whether all values are finite and at least 0", &|o| if o.sound { "yes" } else { "NO" }.into()),
+            ("L2", "relative L2 error of the usual method against f64", &|o| number(o.usual.l2)),
+            ("max", "its largest error, over the rms", &|o| number(o.usual.max)),
+            (
+                "bounds",
+                "what both errors may be: about three times the largest that was measured on the devices tested",
+                &|o| bounds(o.case.bound),
+            ),
+            ("brute L2", "the same of brute force in f32 on the device", &|o| number(o.brute.l2)),
+            ("brute max", "its largest error", &|o| number(o.brute.max)),
+            ("brute bounds", "what both may be", &|o| bounds(o.case.brute)),
+            ("octree L2", "the octree's error, for information: it decides nothing", &|o| {
+                o.octree.map_or("-".into(), |error| number(error.l2))
+            }),
+            ("verdict", "", &|o| if o.faults.is_empty() { "passes" } else { "FAILS" }.into()),
+            ("documented fallback", "what the program does in this case", &|o| o.case.fallback.into()),
+        ],
+    )
 }
 
 #[cfg(test)]

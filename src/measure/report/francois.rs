@@ -1,13 +1,14 @@
 //! Section `layers`: table 2 and figure 14 of Francois et al. 2006.
 
-use super::chart::{Axis, Line, chart};
 use super::pictures::{Shot, scene};
 use super::{Bench, Page, Tone};
 use crate::error::Result;
 use crate::measure::layers::{
     Line as Measured, Looks, PAPER, SAMPLES, SWEEP, approximations, by_lights, dearer, rules,
 };
+use crate::measure::plot::{Axis, Panel, Series};
 use crate::measure::statistics::median;
+use crate::measure::table::Table;
 use crate::pipeline::plan::ShadingMethod;
 use crate::scene::Integration;
 
@@ -30,50 +31,21 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let size = bench.either([120, 90], [800, 600]);
     let repeat = bench.either(3, 7);
     let looks = Looks { sizes: bench.either([size, [240, 180]], [size, [400, 300]]), pixels: bench.either(512, 2048) };
-    let [large, small] = looks.sizes.map(|[width, height]| format!("L2 in all, {width} x {height}"));
-    let mut rows = Vec::new();
+    let mut rows: Vec<(&str, Measured)> = Vec::new();
     for name in ["slab-layers", "fish", "gecko"] {
         let samples: &[u32] = if name == "fish" { &SWEEP } else { &SAMPLES };
         let lines = rules(&scene(name, size, &[])?, bench.device, samples, looks, repeat)?;
-        for line in lines.iter().filter(|line| SAMPLES.contains(&line.samples)) {
-            let theirs = PAPER.iter().find(|(samples, ..)| *samples == line.samples && line.rule == Integration::Paper);
-            let theirs = theirs.and_then(|&(_, fish, gecko)| match name {
-                "fish" => Some(fish),
-                "gecko" => Some(gecko),
-                _ => None,
-            });
-            rows.push(vec![
-                name.to_string(),
-                named(line.rule).into(),
-                line.samples.to_string(),
-                format!("{:.1e}", line.integration),
-                line.totals[0].to_string(),
-                line.totals[1].to_string(),
-                format!("{:.2}", line.relief),
-                format!("{:.2}", line.view),
-                format!("{:.0}", 1e3 / line.view),
-                theirs.map_or(String::new(), |fps| fps.to_string()),
-            ]);
-        }
+        rows.extend(lines.iter().filter(|line| SAMPLES.contains(&line.samples)).map(|line| (name, line.clone())));
         if name == "fish" {
             let of = |rule: Integration| lines.iter().filter(move |line| line.rule == rule);
-            let error = |by: fn(&Measured) -> f64| {
-                RULES.map(|(rule, name)| Line::new(name, of(rule).map(move |line| (by(line), line.integration))))
+            let plot = |title: &str, x: &str, by: fn(&Measured) -> f64| {
+                let errors = |rule| of(rule).map(move |line| (by(line), line.integration));
+                let series = RULES.map(|(rule, name)| Series::line(name, errors(rule)));
+                Panel::new(title, [Axis::log(x), Axis::log("relative error, L2")], series).svg()
             };
-            let y = Axis { label: "relative error, L2", log: true };
             page.plots(&[
-                chart(
-                    "Figure 14: error by samples, fish",
-                    Axis { label: "samples", log: true },
-                    y,
-                    &error(|line| f64::from(line.samples)),
-                )?,
-                chart(
-                    "Error by time, fish",
-                    Axis { label: "stage relief, ms", log: true },
-                    y,
-                    &error(|line| line.relief),
-                )?,
+                plot("Figure 14: error by samples, fish", "samples", |line| f64::from(line.samples))?,
+                plot("Error by time, fish", "stage relief, ms", |line| line.relief)?,
             ]);
         }
         let at = |rule, samples| lines.iter().find(|line| line.rule == rule && line.samples == samples);
@@ -91,34 +63,23 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         let aim = format!("{name}: a sample takes at most 1.2 of the time of one of the published rule");
         page.find(tone, &aim, &format!("{cost:.2}"));
     }
-    let columns = [
-        ("scene", ""),
-        ("rule", "how the march sums up light along the ray: as published, or ours"),
-        ("samples", "per ray"),
-        ("L2 of integration", "relative error against the same march with very many samples"),
-        (&*large, IN_ALL),
-        (&*small, IN_ALL),
-        ("relief, ms", "time of stage relief"),
-        ("a view, ms", "time of a frame in which the view changes"),
-        ("views/s", "frames per second of that kind"),
-        ("paper's", "frames per second in the paper"),
-    ];
-    page.table("layers", &columns, &rows)?;
+    page.table("layers", &table_2(&rows, looks))?;
 
     page.head("Cost by lights");
     let counts = bench.either(&[1, 2, 4][..], &[1, 2, 4, 8, 16]);
     let costs = by_lights(&scene("fish", size, &[])?, bench.device, counts, repeat)?;
-    let row = |&(count, ms): &(u32, f64)| {
-        vec![count.to_string(), format!("{ms:.2}"), format!("{:.2}", ms / f64::from(count))]
-    };
     let most = dearer(&costs);
     let aim = "fish: of several lights each takes at most 1.1 of the time of one alone";
     page.find(Tone::of(most <= 1.1), aim, &format!("at most {most:.2}"));
-    page.table(
-        "layers-lights",
-        &[("point lights", ""), ("relief, ms", "time of stage relief"), ("ms a light", "")],
-        &costs.iter().map(row).collect::<Vec<_>>(),
-    )?;
+    let table = Table::of(
+        &costs,
+        &[
+            ("point lights", "", &|(count, _)| count.to_string()),
+            ("relief, ms", "time of stage relief", &|(_, ms)| format!("{ms:.2}")),
+            ("ms a light", "", &|(count, ms)| format!("{:.2}", ms / f64::from(*count))),
+        ],
+    );
+    page.table("layers-lights", &table)?;
 
     page.head("Each approximation by itself");
     let (mut rows, mut behind) = (Vec::new(), Vec::new());
@@ -142,7 +103,7 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         (&*sized[0], "its relative error, against the layered volume without it, with its 95 % interval"),
         (&*sized[1], "the same at the other size"),
     ];
-    page.table("layers-approximations", &columns, &rows)?;
+    page.table("layers-approximations", &Table::new(columns, rows))?;
     page.say(
         "Light that comes through thin parts from lamps that do not reach the visible triangle is in the volume, not in the \
          march.",
@@ -156,7 +117,7 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("pixels in front", "those with at most 1 % of such light"),
         ("L2 in front", "relative error over these, with its 95 % interval"),
     ];
-    page.table("layers-behind", &columns, &behind)?;
+    page.table("layers-behind", &Table::new(columns, behind))?;
 
     page.head("The fish by its samples");
     let size = bench.either([240, 180], [480, 360]);
@@ -178,4 +139,36 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ]);
     }
     Ok(())
+}
+
+/// Errors and times of each scene, rule and number of samples.
+fn table_2(rows: &[(&str, Measured)], looks: Looks) -> Table {
+    let [large, small] = looks.sizes.map(|[width, height]| format!("L2 in all, {width} x {height}"));
+    let theirs = |(name, line): &(&str, Measured)| {
+        let row = PAPER.iter().find(|(samples, ..)| *samples == line.samples && line.rule == Integration::Paper);
+        row.and_then(|&(_, fish, gecko)| match *name {
+            "fish" => Some(fish.to_string()),
+            "gecko" => Some(gecko.to_string()),
+            _ => None,
+        })
+    };
+    Table::of(
+        rows,
+        &[
+            ("scene", "", &|(name, _)| (*name).into()),
+            ("rule", "how the march sums up light along the ray: as published, or ours", &|(_, line)| {
+                named(line.rule).into()
+            }),
+            ("samples", "per ray", &|(_, line)| line.samples.to_string()),
+            ("L2 of integration", "relative error against the same march with very many samples", &|(_, line)| {
+                format!("{:.1e}", line.integration)
+            }),
+            (&large, IN_ALL, &|(_, line)| line.totals[0].to_string()),
+            (&small, IN_ALL, &|(_, line)| line.totals[1].to_string()),
+            ("relief, ms", "time of stage relief", &|(_, line)| format!("{:.2}", line.relief)),
+            ("a view, ms", "time of a frame in which the view changes", &|(_, line)| format!("{:.2}", line.view)),
+            ("views/s", "frames per second of that kind", &|(_, line)| format!("{:.0}", 1e3 / line.view)),
+            ("paper's", "frames per second in the paper", &|row| theirs(row).unwrap_or_default()),
+        ],
+    )
 }

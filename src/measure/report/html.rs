@@ -1,11 +1,14 @@
 //! A section of the page as HTML: text, tables whose columns are explained, plots, pictures, findings.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::measure::table::Table;
 
 /// A section's content: HTML, files beside the page, findings, and failed checks.
 #[derive(Debug, Default)]
 pub struct Page {
     body: String,
+    /// What a terminal shows of it: all but plots and pictures.
+    pub text: String,
     /// Name and bytes of each file beside the page.
     pub files: Vec<(String, Vec<u8>)>,
     /// Findings for the front of the page, wins and losses alike.
@@ -68,56 +71,29 @@ pub struct Shown {
     pub png: Vec<u8>,
 }
 
-/// A column of a table: its heading, and what its values mean, with their unit. An empty meaning is for a heading that
-/// says all.
-pub type Column<'a> = (&'a str, &'a str);
-
 /// Escapes text for HTML.
 #[must_use]
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Whether a cell holds a number, perhaps with a unit or a bound; columns of numbers are right-aligned.
-fn numeric(cell: &str) -> bool {
-    let bare = cell.trim_start_matches(['<', '>', '=', '\u{b1}', '+', '-', ' ']);
-    bare.starts_with(|c: char| c.is_ascii_digit()) && bare.chars().filter(|c| c.is_alphabetic()).count() <= 5
-        || matches!(cell, "" | "-")
-}
-
-/// A table as the bytes of a CSV file.
-pub(super) fn csv_of(name: &str, columns: &[Column<'_>], rows: &[Vec<String>]) -> Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    // A file with two columns of one name can't be read by name.
-    if let Some((head, _)) = columns
-        .iter()
-        .enumerate()
-        .find_map(|(k, column)| columns[..k].iter().any(|before| before.0 == column.0).then_some(column))
-    {
-        return Err(Error::Check(format!("{name}.csv has two columns {head:?}")));
-    }
-    let lost = |error: &dyn std::fmt::Display| Error::Check(format!("{name}.csv could not be made: {error}"));
-    writer.write_record(columns.iter().map(|(head, _)| head)).map_err(|e| lost(&e))?;
-    for row in rows {
-        writer.write_record(row).map_err(|e| lost(&e))?;
-    }
-    writer.into_inner().map_err(|e| lost(&e))
-}
-
 impl Page {
     /// Adds a paragraph.
     pub fn say(&mut self, words: &str) {
         self.body += &format!("<p>{}</p>\n", escape(words));
+        self.text += &format!("{words}\n");
     }
 
     /// Adds a heading within the section.
     pub fn head(&mut self, words: &str) {
         self.body += &format!("<h3>{}</h3>\n", escape(words));
+        self.text += &format!("\n{words}\n");
     }
 
     /// Adds a failed check.
     pub fn fail(&mut self, words: &str) {
         self.body += &format!("<p class=\"fail\">FAILS: {}</p>\n", escape(words));
+        self.text += &format!("FAILS: {words}\n");
         self.faults.push(words.into());
     }
 
@@ -133,51 +109,50 @@ impl Page {
 
     /// Moves what `write` adds to the front of the page.
     pub fn to_front(&mut self, write: impl FnOnce(&mut Self)) {
-        let before = std::mem::take(&mut self.body);
+        let [body, text] = [&mut self.body, &mut self.text].map(std::mem::take);
         write(self);
-        self.front += &std::mem::replace(&mut self.body, before);
+        self.front += &std::mem::replace(&mut self.body, body);
+        self.text = text;
     }
 
     /// Adds a part that is folded until the reader opens it.
     pub fn fold(&mut self, head: &str, write: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.body += &format!("<details><summary>{}</summary>\n", escape(head));
+        self.text += &format!("\n{head}\n");
         let done = write(self);
         self.body += "</details>\n";
         done
     }
 
     /// Adds a table, and the same table as a file `name.csv`.
-    pub fn table(&mut self, name: &str, columns: &[Column<'_>], rows: &[Vec<String>]) -> Result<()> {
-        let bytes = csv_of(name, columns, rows)?;
-        self.small_table(columns, rows);
-        self.file(&format!("{name}.csv"), bytes);
+    pub fn table(&mut self, name: &str, table: &Table) -> Result<()> {
+        let text = table.csv()?;
+        self.small_table(table);
+        self.file(&format!("{name}.csv"), text.into_bytes());
         Ok(())
     }
 
     /// Adds a table without a file. A wide one scrolls inside its box.
-    pub fn small_table(&mut self, columns: &[Column<'_>], rows: &[Vec<String>]) {
-        let right = |k: usize| !rows.is_empty() && rows.iter().all(|row| row.get(k).is_none_or(|cell| numeric(cell)));
-        let right: Vec<bool> = (0..columns.len()).map(right).collect();
-        let class = |k: usize| if right.get(k) == Some(&true) { " class=\"r\"" } else { "" };
+    pub fn small_table(&mut self, table: &Table) {
+        self.text += &format!("\n{}", table.text());
+        let class = |k: usize| if table.is_numeric(k) { " class=\"r\"" } else { "" };
+        let head = |(k, [head, meaning]): (usize, &[String; 2])| {
+            let title = if meaning.is_empty() { String::new() } else { format!(" title=\"{}\"", escape(meaning)) };
+            format!("<th{}{title}>{}</th>", class(k), escape(head))
+        };
         self.body += "<div class=\"box\" tabindex=\"0\"><table>\n";
-        if columns.iter().any(|(head, _)| !head.is_empty()) {
-            let cell = |(k, (head, meaning)): (usize, &Column<'_>)| {
-                let title = if meaning.is_empty() { String::new() } else { format!(" title=\"{}\"", escape(meaning)) };
-                format!("<th{}{title}>{}</th>", class(k), escape(head))
-            };
-            self.body += &format!("<tr>{}</tr>\n", columns.iter().enumerate().map(cell).collect::<String>());
-        }
-        for row in rows {
+        self.body += &format!("<tr>{}</tr>\n", table.columns.iter().enumerate().map(head).collect::<String>());
+        for row in &table.rows {
             let cell = |(k, cell): (usize, &String)| format!("<td{}>{}</td>", class(k), escape(cell));
             self.body += &format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>());
         }
         self.body += "</table></div>\n";
-        let explained: Vec<_> = columns.iter().filter(|(_, meaning)| !meaning.is_empty()).collect();
+        let explained: Vec<_> = table.columns.iter().filter(|[_, meaning]| !meaning.is_empty()).collect();
         if explained.is_empty() {
             return;
         }
         self.body += "<details class=\"columns\"><summary>what the columns mean</summary><dl>\n";
-        for (head, meaning) in explained {
+        for [head, meaning] in explained {
             self.body += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(head), escape(meaning));
         }
         self.body += "</dl></details>\n";

@@ -1,24 +1,17 @@
 //! Section `kubo`: the function itself, sigma_0 from balls, pictures, curvature, and the limits of the method.
 
-use super::chart::{Axis, CHANNELS, Line, chart};
 use super::pictures::{Shot, scene};
 use super::{Bench, Page, Tone};
-use crate::dipole::profile::Dipole;
 use crate::error::Result;
-use crate::lighting::fresnel;
-use crate::measure::balls::plot::{Panel, svg};
-use crate::measure::balls::walk::curves as walk;
-use crate::measure::bodies::{Medium, Walks};
+use crate::measure::balls::fit::{channels, svg};
 use crate::measure::local::{PAPER, balls, bending, curve, panels, table_1};
-use crate::measure::validity::{ASKED, Place, lambert_share, places, share, verdict};
+use crate::measure::plot::{Axis, CHANNELS, Panel, Series};
+use crate::measure::table::Table;
+use crate::measure::validity::{ASKED, lambert_share, places, share, svg as svg_by_thickness, verdict};
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Camera, PRESETS, Preset, Scene};
 use crate::session::curvature_view::curvature_view;
 use crate::session::run::Session;
-use crate::shading::balls::dipole::curve as solve;
-use crate::shading::balls::fit::fit;
-use crate::shading::balls::radii;
-use crate::shading::balls::usual::spread;
 
 /// The whole section.
 pub fn kubo(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
@@ -44,25 +37,19 @@ fn function(page: &mut Page) -> Result<()> {
          sigma = sigma_0 kappa is, the farther light reaches beyond 90 degrees. On a ball of skin red reaches \
          farthest, and farther on a smaller ball.",
     );
-    let (x, y) =
-        (Axis { label: "angle from the light, degrees", log: false }, Axis { label: "f, no unit", log: false });
-    let line = |sigma: f64| Line::new(format!("sigma {sigma} rad"), curve(sigma, 181).iter().map(|p| (p[0], p[1])));
-    let mut plots = vec![chart("Figure 4: f by sigma", x, y, &[0.0, 0.1, 0.25, 0.5, 1.0, 2.0].map(line))?];
+    let panel = |title: &str, lines: Vec<Series>| {
+        Panel::new(title, [Axis::linear("angle from the light, degrees"), Axis::linear("f, no unit")], lines).svg()
+    };
+    let line = |sigma: f64| Series::line(format!("sigma {sigma} rad"), curve(sigma, 181).iter().map(|p| (p[0], p[1])));
+    let mut plots = vec![panel("Figure 4: f by sigma", [0.0, 0.1, 0.25, 0.5, 1.0, 2.0].map(line).to_vec())?];
     let skin = Scene::load_with("sphere", &["object.0.material.preset=skin1".into()])?;
     for ball in balls(&skin, &[20.0, 5.0], 181)? {
-        let channel = |c: usize| Line {
-            color: Some(CHANNELS[c]),
-            ..Line::new(
-                format!("{}, sigma {:.3} rad", NAMES[c], ball.sigma[c]),
-                ball.curve.iter().map(|p| (p[0], p[c + 1])),
-            )
+        let channel = |c: usize| {
+            let name = format!("{}, sigma {:.3} rad", NAMES[c], ball.sigma[c]);
+            Series::line(name, ball.curve.iter().map(|p| (p[0], p[c + 1]))).colored(CHANNELS[c])
         };
-        plots.push(chart(
-            &format!("Figure 7: a ball of skin, radius {} mm", ball.radius),
-            x,
-            y,
-            &[0, 1, 2].map(channel),
-        )?);
+        let title = format!("Figure 7: a ball of skin, radius {} mm", ball.radius);
+        plots.push(panel(&title, [0, 1, 2].map(channel).to_vec())?);
     }
     page.plots(&plots);
     Ok(())
@@ -140,7 +127,7 @@ fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("paper: head, / Lambert", "the paper's time of the head over Lambert's"),
         ("paper: bunny, / Lambert", "the same of the bunny"),
     ];
-    page.table("local-table-1", &columns, &rows)
+    page.table("local-table-1", &Table::new(columns, rows))
 }
 
 /// sigma_0 of a material, as in figure 6.
@@ -148,44 +135,28 @@ fn fitted(bench: &Bench<'_>, page: &mut Page, preset: &Preset) -> Result<()> {
     page.head(&format!("Figure 6: sigma_0 of {} from balls in parallel light", preset.name));
     page.say("Lines: the function at the sigma_0 that pictures take, fitted to the dipole. Dots: the dipole.");
     page.say("Bars: a random walk and twice its standard error.");
-    let photons = bench.either(3_000, 50_000);
-    let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
-    let boundary = fresnel::boundary(fresnel::diffuse_internal_exact(preset.eta));
-    let media = Medium::of(preset);
-    let dipoles = media.map(|medium| Dipole::new(medium.scattering, medium.absorption, boundary));
-    let radii = [0, 1, 2].map(|c| radii(paths, c));
-    let mut walked: [Vec<_>; 3] = Default::default();
-    for k in 0..radii[0].len() {
-        let walks = Walks { device: bench.device, media, photons, seed: k as u64 };
-        let balls = walk(&walks, radii.map(|radii| radii[k]), dipoles.each_ref().map(Dipole::total))?;
-        walked.iter_mut().zip(balls).for_each(|(all, ball)| all.push(ball));
-    }
-    let (mut rows, mut found) = (Vec::new(), Vec::new());
-    for ((c, name), walked) in NAMES.iter().enumerate().zip(walked) {
-        let dipole = &dipoles[c];
-        let by_dipole: Vec<_> = radii[c].iter().map(|&radius| solve(dipole, radius)).collect();
-        let (model, truth) = (fit(&by_dipole, spread(dipole), false), fit(&walked, spread(dipole), true));
-        let mut row = vec![(*name).to_string()];
-        row.extend([model.sigma_0, model.residual, truth.sigma_0, truth.residual].map(|x| format!("{x:.4}")));
-        row.push(format!("{:.3}", truth.scale));
-        rows.push(row);
-        found.push((by_dipole, walked, model.sigma_0));
-    }
-    let plot = |((dipole, walk, sigma_0), name): (&(Vec<_>, Vec<_>, f64), &'static str)| {
-        svg(&format!("{}, balls", preset.name), &[Panel { name, dipole, walk, sigma_0: *sigma_0 }])
-    };
-    page.plots(&found.iter().zip(NAMES).map(plot).collect::<Result<Vec<_>>>()?);
+    let channels = channels(preset, bench.device, None, (bench.either(3_000, 50_000), 0))?;
+    let plot = |k: usize| svg(&format!("{}, balls", preset.name), &channels[k..=k]);
+    page.plots(&(0..3).map(plot).collect::<Result<Vec<_>>>()?);
     let residual =
         "root mean square over a ball of what the fit misses, as a share of what a plane returns in full light";
-    let columns = [
-        ("channel", ""),
-        ("sigma_0 by the dipole, mm", "the sigma_0 that fits the dipole best"),
-        ("residual of the dipole's fit", residual),
-        ("by the walk, mm", "the sigma_0 that fits a random walk best, times a factor"),
-        ("residual of the walk's fit", residual),
-        ("times", "that factor: how much more or less light the walk returns"),
-    ];
-    page.table(&format!("sigma-0-{}", preset.name.to_lowercase()), &columns, &rows)
+    let digits = |x: f64| format!("{x:.4}");
+    let table = Table::of(
+        &channels.map(|channel| (channel.name, channel.fit())),
+        &[
+            ("channel", "", &|row| row.0.into()),
+            ("sigma_0 by the dipole, mm", "the sigma_0 that fits the dipole best", &|row| digits(row.1[0].sigma_0)),
+            ("residual of the dipole's fit", residual, &|row| digits(row.1[0].residual)),
+            ("by the walk, mm", "the sigma_0 that fits a random walk best, times a factor", &|row| {
+                digits(row.1[1].sigma_0)
+            }),
+            ("residual of the walk's fit", residual, &|row| digits(row.1[1].residual)),
+            ("times", "that factor: how much more or less light the walk returns", &|row| {
+                format!("{:.3}", row.1[1].scale)
+            }),
+        ],
+    );
+    page.table(&format!("sigma-0-{}", preset.name.to_lowercase()), &table)
 }
 
 /// Pictures by the dipole, the function and Lambert's cosine side by side, and the curvature.
@@ -228,7 +199,7 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("Lambert, ms", ""),
         ("Lambert, FLIP", "perceptual difference from the dipole's picture, 0 to 1"),
     ];
-    page.table("local", &columns, &rows)?;
+    page.table("local", &Table::new(columns, rows))?;
 
     // A quick report leaves out the dipole's panels: they are slow, and the dipole is shown above.
     let side = bench.either(144, 360);
@@ -251,9 +222,6 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Maximum number of dots in a plot.
-const DOTS: usize = 2000;
-
 /// The error against the dipole, by thickness.
 fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("How far the function can be trusted");
@@ -264,18 +232,7 @@ fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     for name in bench.either(&["bust"][..], &["bust", "lotus", "torus", "sphere"]) {
         let scene = scene(name, [1, 1], coarser(bench))?;
         let all = places(&scene, bench.device)?;
-        let every = all.len().div_ceil(DOTS).max(1);
-        let some: Vec<&Place> = all.iter().step_by(every).filter(|p| p.dipole > 0.0).collect();
-        let part = |name: &str, low: f64, high: f64| {
-            let own = some.iter().filter(|p| p.sigma >= low && p.sigma < high);
-            let error = |p: &&&Place| 100.0 * ((p.cdrf - p.dipole) / p.dipole).clamp(-1.0, 2.0);
-            Line::dots(name, own.map(|p| (p.thickness.clamp(0.1, 100.0), error(&p))).collect::<Vec<_>>())
-        };
-        let (x, y) =
-            (Axis { label: "thickness / sigma_0", log: true }, Axis { label: "error, % of the dipole's", log: false });
-        let classes =
-            [part("sigma below 0.25", 0.0, 0.25), part("0.25 to 1", 0.25, 1.0), part("1 and more", 1.0, f64::INFINITY)];
-        page.plot(&chart(&format!("{name}: error by thickness"), x, y, &classes)?, false);
+        page.plot(&svg_by_thickness(name, &all)?, false);
         let (error, words) = (share(&all, |_| true).error, verdict(&all));
         let aim = format!("{name}: the CDRF is within {:.0} % of the dipole", 100.0 * ASKED);
         page.find(Tone::of(error <= ASKED), &aim, &words);
@@ -295,5 +252,5 @@ fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("Lambert's, %", "the same of Lambert's cosine"),
         ("verdict", "the parts of the surface where the function can be trusted"),
     ];
-    page.table("validity", &columns, &rows)
+    page.table("validity", &Table::new(columns, rows))
 }

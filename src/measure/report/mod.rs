@@ -4,7 +4,6 @@
 //! error and the other sections still run.
 
 mod accuracy;
-mod chart;
 mod checks;
 mod francois;
 mod html;
@@ -19,7 +18,8 @@ mod whole;
 
 use std::time::Instant;
 
-pub use html::{Column, Finding, Page, Shown, Tone, escape};
+pub use checks::stress_table;
+pub use html::{Finding, Page, Shown, Tone, escape};
 pub use pictures::png;
 pub use whole::{Written, whole};
 
@@ -128,6 +128,7 @@ pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&st
 mod tests {
     use super::*;
     use crate::error::Error;
+    use crate::measure::table::{Column, Table};
 
     #[test]
     fn what_fails_is_shown_and_the_rest_goes_on() {
@@ -135,7 +136,9 @@ mod tests {
             page.find(Tone::Loss, "as fast as <that>", "1.2 of its time");
             page.tile(Tone::Note, "3 < 4", "a tile");
             page.to_front(|page| page.say("in front"));
-            page.table("sizes", &[("what", ""), ("mm", "its <size>")], &[vec!["a, b".into(), "1.5".into()]])
+            let columns: [Column<'_, f64>; 2] =
+                [("what", "", &|_| "a, b".into()), ("mm", "its <size>", &f64::to_string)];
+            page.table("sizes", &Table::of(&[1.5], &columns))
         };
         let bad = |_: &Bench<'_>, page: &mut Page| {
             page.say("so far so good");

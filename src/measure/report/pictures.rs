@@ -8,6 +8,7 @@ use super::whole::verdict;
 use super::{Bench, Page};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
+use crate::measure::table::Table;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{BUILTIN, Scene};
 use crate::session::run::Session;
@@ -152,8 +153,8 @@ pub fn scenes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("device, ms", "time of the frame on the device"),
         ("CPU, ms", "time of the frame by the CPU reference"),
     ];
-    page.table("pictures", &columns, &rows)?;
     let about = format!("{} pictures on the device, at most FLIP {worst:.0e} from the CPU's", rows.len());
+    page.table("pictures", &Table::new(columns, rows))?;
     verdict(page, "Same pictures", &about);
     Ok(())
 }

@@ -4,26 +4,17 @@ use super::{Bench, Page};
 use crate::error::Result;
 use crate::gpu::{Adapter, Device, Instance};
 use crate::layout::BUFFER_IDS;
+use crate::measure::table::Table;
 use crate::pipeline::plan::Options;
 use crate::scene::{BUILTIN, Scene};
 use crate::session::run::Session;
-
-/// The device's name, or `cpu`.
-pub fn name(bench: &Bench<'_>) -> String {
-    bench.device.map_or("cpu", Device::name).to_string()
-}
-
-/// The driver's name and version.
-pub fn driver(bench: &Bench<'_>) -> String {
-    bench.device.map_or("none: the f64 reference on the host", Device::driver).to_string()
-}
 
 /// The environment of the report, for the top of the page.
 pub fn about(bench: &Bench<'_>) -> Vec<(&'static str, String)> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     vec![
-        ("device", name(bench)),
-        ("driver", driver(bench)),
+        ("device", bench.device.map_or("cpu", Device::name).to_string()),
+        ("driver", bench.device.map_or("none: the f64 reference on the host", Device::driver).to_string()),
         ("host", format!("{} {}, {cores} cores", std::env::consts::OS, std::env::consts::ARCH)),
         ("milkglass", env!("CARGO_PKG_VERSION").to_string()),
         ("extent", bench.either("quick: small scenes, few settings", "full").to_string()),
@@ -39,40 +30,34 @@ pub fn devices(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             return Ok(());
         }
     };
-    let row = |adapter: &Adapter| {
-        let limits = &adapter.limits;
+    let state = |adapter: &Adapter| {
         let used = bench.device.is_some_and(|device| device.name() == adapter.name);
-        let state = adapter.unusable.clone().unwrap_or_else(|| if used { "used" } else { "usable" }.into());
-        vec![
-            adapter.name.clone(),
-            adapter.kind.into(),
-            adapter.driver.clone(),
-            adapter.version.clone(),
-            state,
-            (limits.binding_bytes >> 20).to_string(),
-            (limits.allocation_bytes >> 20).to_string(),
-            limits.storage_buffers.to_string(),
-            limits.push_bytes.to_string(),
-            limits.group_invocations.to_string(),
-            limits.subgroup_size.to_string(),
-            if limits.round_to_nearest { "to nearest" } else { "not offered" }.into(),
-        ]
+        adapter.unusable.clone().unwrap_or_else(|| if used { "used" } else { "usable" }.into())
     };
-    let columns = [
-        ("name", ""),
-        ("kind", ""),
-        ("driver", ""),
-        ("Vulkan", "version that the device offers"),
-        ("state", "whether this report used it, or why it cannot be used"),
-        ("binding, MiB", "largest range of a storage buffer that a kernel can bind"),
-        ("allocation, MiB", "largest single allocation"),
-        ("buffers", "storage buffers that a kernel can bind"),
-        ("push, B", "bytes of push constants"),
-        ("group", "largest workgroup, invocations"),
-        ("subgroup", "invocations in a subgroup"),
-        ("rounding", "whether rounding to nearest can be requested; otherwise decisions rely on the driver's default"),
-    ];
-    page.table("devices", &columns, &adapters.iter().map(row).collect::<Vec<_>>())
+    let table = Table::of(
+        &adapters,
+        &[
+            ("name", "", &|a| a.name.clone()),
+            ("kind", "", &|a| a.kind.into()),
+            ("driver", "", &|a| a.driver.clone()),
+            ("Vulkan", "version that the device offers", &|a| a.version.clone()),
+            ("state", "whether this report used it, or why it cannot be used", &state),
+            ("binding, MiB", "largest range of a storage buffer that a kernel can bind", &|a| {
+                (a.limits.binding_bytes >> 20).to_string()
+            }),
+            ("allocation, MiB", "largest single allocation", &|a| (a.limits.allocation_bytes >> 20).to_string()),
+            ("buffers", "storage buffers that a kernel can bind", &|a| a.limits.storage_buffers.to_string()),
+            ("push, B", "bytes of push constants", &|a| a.limits.push_bytes.to_string()),
+            ("group", "largest workgroup, invocations", &|a| a.limits.group_invocations.to_string()),
+            ("subgroup", "invocations in a subgroup", &|a| a.limits.subgroup_size.to_string()),
+            (
+                "rounding",
+                "whether rounding to nearest can be requested; otherwise decisions rely on the driver's default",
+                &|a| if a.limits.round_to_nearest { "to nearest" } else { "not offered" }.into(),
+            ),
+        ],
+    );
+    page.table("devices", &table)
 }
 
 /// The stages and buffers of each built-in scene, and what its plan leaves out.
@@ -109,7 +94,7 @@ pub fn plans(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("left out", "stages and buffers that the scene does not need"),
         ("the stages", "in the order of the frame"),
     ];
-    page.table("plan", &columns, &rows)?;
-    let columns = [("scene", ""), ("left out", ""), ("because", "")];
-    page.fold("What is left out, and why", |page| page.table("left-out", &columns, &reasons))
+    page.table("plan", &Table::new(columns, rows))?;
+    let reasons = Table::plain(["scene", "left out", "because"], reasons);
+    page.fold("What is left out, and why", |page| page.table("left-out", &reasons))
 }

@@ -1,8 +1,9 @@
 //! Sections on run time: per stage, per mode, and error against run time per method.
 
-use super::{Bench, Column, Page, Tone};
+use super::{Bench, Page, Tone};
 use crate::error::Result;
-use crate::measure::pareto::{self, Lighting, METHODS, Norm, Origin, Reach, Settings, csv, ratios, svg, sweep};
+use crate::measure::pareto::{self, Lighting, METHODS, Origin, Ratio, Reach, Settings, csv, ratios, svg, sweep};
+use crate::measure::table::Table;
 use crate::measure::{modes as kept, profile as stages};
 use crate::scene::Scene;
 
@@ -27,16 +28,7 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
         truth: None,
     };
     let found = sweep(&pareto::Bench { scene, device: bench.device }, &settings)?;
-    let (low, high) = scene.bounds();
-    let origin = Origin {
-        device: super::setting::name(bench),
-        driver: super::setting::driver(bench),
-        scene: scene.name.clone(),
-        faces: scene.objects.iter().map(|object| object.mesh.triangles.len()).sum(),
-        extent_mm: ((high - low).max_element() * scene.unit_mm * 1e4).round() / 1e4,
-        material: scene.objects.first().map_or_else(String::new, |object| object.material.name.clone()),
-        repeat: settings.repeat,
-    };
+    let origin = Origin::new(scene, bench.device, settings.repeat);
     page.head(&format!("{}, {} triangles", origin.scene, origin.faces));
     page.say(
         "Down and to the left is better. When the light moves, everything that depends on light is computed again; \
@@ -55,23 +47,8 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
     page.file(&format!("pareto-{}.csv", origin.scene), csv(&found, &origin)?.into_bytes());
 
     let all = ratios(&found, &METHODS[0]);
-    let row = |ratio: &pareto::Ratio| {
-        let norm = if ratio.norm == Norm::L2 { "L2" } else { "p99" };
-        let error = format!("{norm} {}", ratio.against.name());
-        let light = ratio.lighting.name().to_string();
-        vec![light, error, ratio.method.name.to_string(), ratio.cell(0), ratio.cell(1), ratio.cell(2)]
-    };
     page.say(&format!("Wall time at equal error, and its ratio to that of {} (above 1: slower):", METHODS[0].name));
-    let time = "wall time of a frame with this error, and its ratio to that of the first method";
-    let columns = [
-        ("light", "whether it changes in every frame"),
-        ("error", "norm, and what it is measured against: own leaf sums, or the area integral in total"),
-        ("method", ""),
-        ("1e-2", time),
-        ("1e-3", time),
-        ("1e-4", time),
-    ];
-    page.table(&format!("pareto-{}-ratios", origin.scene), &columns, &all.iter().map(row).collect::<Vec<_>>())?;
+    page.table(&format!("pareto-{}-ratios", origin.scene), &Ratio::table(&all))?;
 
     for lighting in Lighting::ALL {
         for method in found.methods().into_iter().skip(1) {
@@ -87,7 +64,7 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
 }
 
 /// A method's time over the base's, at the finest error at which both are known, and both times in words.
-fn compared(ratio: &pareto::Ratio) -> Option<(f64, String)> {
+fn compared(ratio: &Ratio) -> Option<(f64, String)> {
     // Without a setting, the time at any error that is met is exact.
     let theirs = |reach: Reach| match reach {
         Reach::Within(time) if ratio.method.parameter.is_empty() => Reach::At(time),
@@ -102,10 +79,9 @@ fn compared(ratio: &pareto::Ratio) -> Option<(f64, String)> {
             (Reach::Within(a), Reach::Within(b)) => (a, b, " by the coarsest setting of either"),
             _ => return None,
         };
-        let norm = if ratio.norm == Norm::L2 { "L2" } else { "p99" };
-        let (error, target) = (ratio.against.name(), ["1e-2", "1e-3", "1e-4"][k]);
+        let (error, target) = (ratio.error(), ["1e-2", "1e-3", "1e-4"][k]);
         let (ours, name) = (METHODS[0].name, ratio.method.name);
-        Some((a / b, format!("{norm} {target} {error}: {ours} {b:.1} ms, {name} {a:.1} ms{bound}")))
+        Some((a / b, format!("{error} {target}: {ours} {b:.1} ms, {name} {a:.1} ms{bound}")))
     })
 }
 
@@ -131,40 +107,42 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             ));
         }
         found.notes.iter().for_each(|note| page.say(note));
-        let row = |row: &stages::Row| {
-            let time = row.device.unwrap_or(row.wall);
-            let mut cells = vec![
-                row.stage.clone(),
-                format!("{:.3}", time.median),
-                format!("{:.3} to {:.3}", time.low, time.high),
-                row.dispatches.to_string(),
-            ];
-            cells.extend(row.work.map_or([const { String::new() }; 5], |work| {
-                let million = |count: u64| format!("{:.3}", count as f64 * 1e-6);
-                [work.read, work.written, work.flops, work.roots, work.exps].map(million)
-            }));
-            let percent = |share: Option<f64>| share.map_or(String::new(), |share| format!("{:.1}", 100.0 * share));
-            cells.extend(found.shares(row).map(percent));
-            cells
-        };
-        let columns = [
-            ("stage", ""),
-            ("ms", "median time on the device"),
-            ("spread", "10th to 90th percentile, ms"),
-            ("dispatches", "per frame"),
-            ("read, MB", "bytes loaded, each bound byte once at most"),
-            ("written, MB", "bytes stored, likewise"),
-            ("M flop", "millions of float additions and multiplications; a fused one counts two"),
-            ("M div", "millions of divisions and square roots"),
-            ("M exp", "millions of exponentials, logarithms and trigonometric functions"),
-            ("copy, %", "share of the device's own copy rate"),
-            ("fma, %", "share of its rate of fused multiply-adds"),
-            ("exp, %", "share of its rate of exponentials"),
-        ];
-        page.small_table(&columns, &found.rows.iter().map(row).collect::<Vec<_>>());
+        page.small_table(&profiled(&found));
         page.file(&format!("profile-{name}.csv"), found.csv()?.into_bytes());
     }
     Ok(())
+}
+
+/// The stages of a profile.
+fn profiled(found: &stages::Profile) -> Table {
+    let work = |row: &stages::Row, of: fn(&stages::Work) -> u64| {
+        row.work.map_or_else(String::new, |work| format!("{:.3}", of(&work) as f64 * 1e-6))
+    };
+    let share = |row: &stages::Row, k: usize| {
+        found.shares(row)[k].map_or_else(String::new, |share| format!("{:.1}", 100.0 * share))
+    };
+    let time = |row: &stages::Row| row.device.unwrap_or(row.wall);
+    Table::of(
+        &found.rows,
+        &[
+            ("stage", "", &|row| row.stage.clone()),
+            ("ms", "median time on the device", &|row| format!("{:.3}", time(row).median)),
+            ("spread", "10th to 90th percentile, ms", &|row| format!("{:.3} to {:.3}", time(row).low, time(row).high)),
+            ("dispatches", "per frame", &|row| row.dispatches.to_string()),
+            ("read, MB", "bytes loaded, each bound byte once at most", &|row| work(row, |work| work.read)),
+            ("written, MB", "bytes stored, likewise", &|row| work(row, |work| work.written)),
+            ("M flop", "millions of float additions and multiplications; a fused one counts two", &|row| {
+                work(row, |work| work.flops)
+            }),
+            ("M div", "millions of divisions and square roots", &|row| work(row, |work| work.roots)),
+            ("M exp", "millions of exponentials, logarithms and trigonometric functions", &|row| {
+                work(row, |work| work.exps)
+            }),
+            ("copy, %", "share of the device's own copy rate", &|row| share(row, 0)),
+            ("fma, %", "share of its rate of fused multiply-adds", &|row| share(row, 1)),
+            ("exp, %", "share of its rate of exponentials", &|row| share(row, 2)),
+        ],
+    )
 }
 
 /// The cost of each mode after each change.
@@ -206,22 +184,7 @@ pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
                 format!("{name}, links, mode incremental: moving {share} % of the triangles takes 0.25 of a frame");
             page.find(tone, &aim, &format!("{ratio:.3} (published: 0.49)"));
         }
-        // An empty sum of floats is -0.
-        rows.extend(found.iter().map(|row| row.cells().map(|cell| cell.replace("-0.0", "0.0")).to_vec()));
+        rows.extend(found);
     }
-    let meanings = [
-        "",
-        "how clusters are linked: ours (blocks), or as published (links)",
-        "what is kept from frame to frame",
-        "what changes before each frame",
-        "median time of a frame's stages",
-        "that time over the one of a frame on the fly in which every vertex has moved",
-        "median time of the edit and the frame by the host's clock",
-        "the same of that",
-        "entries of all lists",
-        "form factors that the last frame computed",
-        "relative L2 error of the radiosity, worst channel",
-    ];
-    let columns: Vec<Column<'_>> = kept::Row::HEADS.into_iter().zip(meanings).collect();
-    page.table("modes", &columns, &rows)
+    page.table("modes", &kept::Row::table(&rows))
 }

@@ -4,6 +4,7 @@
 use super::pictures::Shot;
 use super::{Bench, Page, Tone};
 use crate::error::Result;
+use crate::measure::table::Table;
 use crate::measure::truth::{Truth, TruthError};
 use crate::measure::validity::places;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
@@ -123,7 +124,7 @@ fn compare(bench: &Bench<'_>, page: &mut Page, shapes: &[Shape], side: u32, effo
         ("photons", "of the walk, each channel"),
         ("walk, s", "time of the walk"),
     ];
-    page.table("truth", &columns, &rows)?;
+    page.table("truth", &Table::new(columns, rows))?;
     for (error, shape, material) in worst {
         let aim = format!("{shape}, {material}: the dipole is within 5 % of a random walk");
         page.find(Tone::of(error <= 0.05), &aim, &format!("{:.1} %", 100.0 * error));

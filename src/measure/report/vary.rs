@@ -4,6 +4,7 @@ use super::{Bench, Page};
 use crate::error::Result;
 use crate::gpu::AXES;
 use crate::measure::profile::Settings;
+use crate::measure::table::Table;
 use crate::measure::vary::{Outcome, Subject, Tried, asked, strips};
 use crate::scene::Scene;
 
@@ -54,5 +55,5 @@ pub fn vary(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("frame", "time over that of the default, and its interval"),
         ("shows", "what the interval shows"),
     ];
-    page.table("vary", &columns, &rows)
+    page.table("vary", &Table::new(columns, rows))
 }

@@ -1,7 +1,8 @@
 //! What differs between two results: of drivers, devices or commits.
 
-use super::{Mean, Outcome, Results};
+use super::{Outcome, Results};
 use crate::error::{Error, Input, Result};
+use crate::measure::bias::Bias;
 
 /// From when on a shift within tolerance is reported.
 #[derive(Clone, Copy, Debug)]
@@ -141,10 +142,9 @@ fn pair(old: &Outcome, new: &Outcome, thresholds: &Thresholds, add: &mut impl Fn
     }
     for mean in &new.means {
         let was = old.means.iter().find(|known| known.buffer == mean.buffer && known.field == mean.field);
-        let ((x, e), (y, f)) = (was.map_or((0.0, 0.0), average), average(mean));
-        if (x - y).abs() > thresholds.mean + 5.0 * e.hypot(f) {
-            let dot = if mean.field.is_empty() { "" } else { "." };
-            shifts.push(format!("the mean error of {}{dot}{} is {y:+.1e}, was {x:+.1e}", mean.buffer, mean.field));
+        let (x, y) = (was.map_or(0.0, Bias::mean), mean.mean());
+        if (x - y).abs() > thresholds.mean + 5.0 * was.map_or(0.0, Bias::error).hypot(mean.error()) {
+            shifts.push(format!("the mean error of {} is {y:+.1e}, was {x:+.1e}", mean.place()));
         }
     }
     if !shifts.is_empty() {
@@ -161,20 +161,13 @@ fn pair(old: &Outcome, new: &Outcome, thresholds: &Thresholds, add: &mut impl Fn
     }
 }
 
-/// A mean and its standard error.
-fn average(mean: &Mean) -> (f64, f64) {
-    let count = mean.count.max(1) as f64;
-    let middle = mean.sum / count;
-    (middle, (mean.squares / count - middle * middle).max(0.0).sqrt() / count.sqrt())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::measure::results::Verdict;
 
     fn one(device: &str, change: impl Fn(&mut Outcome)) -> Results {
-        let mean = Mean { buffer: "radiosity".into(), count: 1000, sum: 1e-6, squares: 1e-15, ..Mean::default() };
+        let mean = Bias { buffer: "radiosity".into(), count: 1000, sum: 1e-6, squares: 1e-15, ..Bias::default() };
         let mut outcome = Outcome {
             device: device.into(),
             fixture: "f".into(),

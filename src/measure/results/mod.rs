@@ -14,7 +14,6 @@ pub use facts::DeviceFacts;
 pub use read::read;
 
 use crate::gpu::Adapter;
-use crate::layout::BUFFER_IDS;
 use crate::measure::bias::{Bias, farthest};
 use crate::measure::conform::Row;
 use crate::pipeline::frame::stage;
@@ -122,34 +121,9 @@ pub struct Outcome {
     /// The mean signed relative difference that is farthest from 0, of fields with enough values.
     pub mean: Option<f64>,
     /// The signed relative differences, field by field.
-    pub means: Vec<Mean>,
+    pub means: Vec<Bias>,
     /// Time of the comparison by the host's clock, seconds.
     pub seconds: f64,
-}
-
-/// The signed relative differences of one field.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Mean {
-    /// The buffer.
-    pub buffer: String,
-    /// The field; empty for a buffer of plain numbers.
-    pub field: String,
-    /// Values that differ.
-    pub count: u64,
-    /// Sum of their signed relative differences.
-    pub sum: f64,
-    /// Sum of the squares of those.
-    pub squares: f64,
-}
-
-impl Mean {
-    /// The same as a stage of this program has it; none for a buffer that there is not.
-    #[must_use]
-    pub fn bias(&self) -> Option<Bias> {
-        let buffer = BUFFER_IDS.iter().map(|slot| slot.spec().name).find(|name| *name == self.buffer)?;
-        let Self { field, count, sum, squares, .. } = self.clone();
-        Some(Bias { buffer, field, count, sum, squares })
-    }
 }
 
 /// A line of a file of results.
@@ -178,13 +152,6 @@ impl Outcome {
     #[must_use]
     pub fn new(adapter: &Adapter, row: &Row, repeat: String) -> Self {
         let writes = stage(row.stage).map_or(&[][..], |stage| stage.writes);
-        let mean = |bias: &Bias| Mean {
-            buffer: bias.buffer.into(),
-            field: bias.field.clone(),
-            count: bias.count,
-            sum: bias.sum,
-            squares: bias.squares,
-        };
         Self {
             device: adapter.name.clone(),
             driver: adapter.driver.clone(),
@@ -204,7 +171,7 @@ impl Outcome {
             tolerance: writes.iter().map(|(slot, _, t)| (slot.spec().name.into(), words(t))).collect(),
             hashes: row.hashes.iter().map(|(name, hash)| ((*name).into(), format!("{hash:016x}"))).collect(),
             mean: farthest(&row.biases),
-            means: row.biases.iter().filter(|bias| bias.count > 0).map(mean).collect(),
+            means: row.biases.iter().filter(|bias| bias.count > 0).cloned().collect(),
             seconds: row.seconds,
         }
     }

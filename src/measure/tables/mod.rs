@@ -12,21 +12,19 @@
 //! used for its other rows.
 
 pub mod curves;
-mod figures;
+pub mod figures;
 pub mod given;
+mod measured;
 mod models;
 pub mod paper;
-mod print;
 pub mod segments;
 mod solve;
 
-pub use figures::{figure_3, figure_4, given};
-pub use print::{table_3, table_4, table_5};
-
-use std::fmt::{Display, Formatter};
+pub use measured::{table_3, table_4, table_5};
 
 use crate::error::Result;
 use crate::gpu::Device;
+use crate::measure::table::Table;
 
 /// Settings of the tables.
 #[derive(Clone, Copy)]
@@ -41,31 +39,24 @@ pub struct Bench<'a> {
     pub most_faces: usize,
 }
 
-/// A piece of a table, as it is reported.
-pub enum Told<'a> {
-    /// A line of text.
-    Words(&'a str),
-    /// Starts a table: its name, one word, and its column headings.
-    Columns(&'a str, &'a [&'a str]),
-    /// A row of the current table.
-    Row(&'a [String]),
+/// A table of ours beside the paper's.
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// Its name, one word.
+    pub name: String,
+    /// What is measured.
+    pub before: Vec<String>,
+    /// The paper's columns, then ours.
+    pub table: Table,
+    /// What follows from it.
+    pub after: Vec<String>,
 }
 
-impl Display for Told<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Words(words) => f.write_str(words),
-            Self::Columns(_, header) => header.iter().try_for_each(|cell| write!(f, "{cell:>12}")),
-            Self::Row(cells) => cells.iter().try_for_each(|cell| write!(f, "{cell:>12}")),
-        }
-    }
-}
+/// Receives a table that grows, after each row.
+pub type Tell<'a> = &'a mut dyn FnMut(&Beside) -> Result<()>;
 
-/// Receives a table, piece by piece.
-pub type Tell<'a> = &'a mut dyn FnMut(Told<'_>);
-
-/// Measures one table and reports each row as it is done.
-pub type Table = fn(&Bench<'_>, Tell<'_>) -> Result<()>;
+/// Measures one of the paper's tables.
+pub type Measure = fn(&Bench<'_>, Tell<'_>) -> Result<Vec<Beside>>;
 
 /// The tables, by the names that `--only` takes.
-pub const TABLES: [(&str, Table); 3] = [("table 3", table_3), ("table 4", table_4), ("table 5, figure 5", table_5)];
+pub const TABLES: [(&str, Measure); 3] = [("table 3", table_3), ("table 4", table_4), ("table 5, figure 5", table_5)];

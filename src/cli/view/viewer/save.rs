@@ -8,10 +8,10 @@ use milkglass::measure::profile::trace;
 
 use super::Viewer;
 use super::outcome::{Message, Output};
-use crate::cli::profile::write;
 use crate::cli::run_args::quoted;
 use crate::cli::view::frames::Progress;
 use crate::cli::view::inspect::Layer;
+use crate::cli::write;
 
 impl Viewer {
     /// Writes what is to be written, if it is there, and tells the file.

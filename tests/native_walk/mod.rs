@@ -1,38 +1,17 @@
-//! `cargo bench --bench walk`: photons a second of the random walk, on the default device and by the CPU reference,
-//! beside a plain native program of the same walk: `f64`, the standard library's functions, one photon after another
-//! on every core, a search of the triangles near a flight by a tree, and none where a distance to the surface is known.
-//!
-//! `cargo bench --bench walk -- bunny.obj` measures other scenes than the ball, in marble under one directional light.
-//! Medians of turns in which all three alternate.
+//! The random walk once more, as a plain native program: `f64`, the standard library's functions, one photon after
+//! another on every core, a search of the triangles near a flight by a tree, and none where a distance to the surface
+//! is known.
 
 use std::f64::consts::TAU;
-use std::time::Instant;
 
 use glam::DVec3;
-use milkglass::error::Result;
+use milkglass::Scene;
 use milkglass::internals::lighting::fresnel;
-use milkglass::internals::pipeline::plan::Change;
-use milkglass::{Device, Goal, Options, Scene, Session, ShadingMethod};
+use milkglass::measure::statistics::Random;
 use rayon::prelude::*;
 
-/// Photons of each channel, and turns.
-const PHOTONS: u64 = 16_000;
-const TURNS: usize = 5;
 /// Cells of the grid of distances along an axis.
 const SIDE: usize = 48;
-
-/// splitmix64, uniform in (0, 1].
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (((z ^ (z >> 31)) >> 11) as f64 + 1.0) / (1u64 << 53) as f64
-    }
-}
 
 /// A node of the tree over triangles: its box, the node after its subtree, and its triangle if it is a leaf.
 struct Node {
@@ -43,7 +22,7 @@ struct Node {
 }
 
 /// A body to walk through.
-struct Body {
+pub struct Body {
     faces: Vec<[DVec3; 3]>,
     normals: Vec<DVec3>,
     nodes: Vec<Node>,
@@ -56,7 +35,8 @@ struct Body {
 }
 
 impl Body {
-    fn new(scene: &Scene, light: Vec<f64>, toward: DVec3) -> Self {
+    /// The first object of a scene, with this light on its triangles, which comes from this direction.
+    pub fn new(scene: &Scene, light: Vec<f64>, toward: DVec3) -> Self {
         let mesh = &scene.objects[0].mesh;
         let faces: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face)).collect();
         let normals = faces.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).normalize()).collect();
@@ -153,10 +133,10 @@ impl Body {
     fn photon(&self, (scattering, absorption, eta): (f64, f64, f64), random: &mut Random) -> (f64, u64) {
         let extinction = scattering + absorption;
         let albedo = scattering / extinction;
-        let light = random.next() * self.sums[self.sums.len() - 1];
+        let light = random.uniform() * self.sums[self.sums.len() - 1];
         let face = self.sums.partition_point(|&sum| sum < light).min(self.faces.len() - 1);
         let ([a, b, c], normal) = (self.faces[face], self.normals[face]);
-        let (root, v) = (random.next().sqrt(), random.next());
+        let (root, v) = (random.uniform().sqrt(), random.uniform());
         let mut place = a + root * (1.0 - v) * (b - a) + root * v * (c - a);
         let cosine = self.toward.dot(normal);
         let inner = (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt();
@@ -164,14 +144,14 @@ impl Body {
         let (mut weight, mut scattered, mut flights) = (1.0, false, 0);
         while flights < 1_000_000 {
             flights += 1;
-            let path = -random.next().ln() / extinction;
+            let path = -random.uniform().ln() / extinction;
             if path < self.around(place) {
             } else if let Some((face, edge)) = self.exit(place, way, path) {
                 place += edge * way;
                 let normal = self.normals[face];
                 let cosine = way.dot(normal);
                 let out = (1.0 - (1.0 - cosine * cosine) * eta * eta).max(0.0).sqrt();
-                if random.next() < fresnel::transmittance(eta, out) {
+                if random.uniform() < fresnel::transmittance(eta, out) {
                     return (if scattered { weight } else { 0.0 }, flights);
                 }
                 way -= 2.0 * cosine * normal;
@@ -181,88 +161,27 @@ impl Body {
             weight *= albedo;
             scattered = true;
             if weight < 0.125 {
-                if random.next() > 0.5 {
+                if random.uniform() > 0.5 {
                     return (0.0, flights);
                 }
                 weight *= 2.0;
             }
-            let (z, turn) = (2.0 * random.next() - 1.0, TAU * random.next());
+            let (z, turn) = (2.0 * random.uniform() - 1.0, TAU * random.uniform());
             let across = (1.0 - z * z).sqrt();
             way = DVec3::new(across * turn.cos(), across * turn.sin(), z);
         }
         (0.0, flights)
     }
-}
 
-/// The median.
-fn middle(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
-fn run() -> Result<()> {
-    let device = Device::best()?;
-    println!(
-        "{}",
-        device.as_ref().map_or("no usable Vulkan device".into(), |d| format!("{}, {}", d.name(), d.driver()))
-    );
-    let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
-    let names = if named.is_empty() { vec!["sphere".to_string()] } else { named };
-    println!(
-        "{:<20} {:<10} {:>14} {:>10} {:>9} {:>9}",
-        "scene", "walk", "photons / s", "/ native", "left %", "flights"
-    );
-    for name in &names {
-        let sun = "light=[{ type = 'directional', direction = [0, 0, 1], irradiance = 1, shadows = false }]";
-        let mut sets = vec![sun.to_string(), "object.0.material.preset=marble".into(), "object.0.size=20".into()];
-        sets.extend((name == "sphere").then(|| "object.0.detail=3".to_string()));
-        sets.push(format!("transport.walks={PHOTONS}"));
-        let scene = Scene::load_with(name, &sets)?;
-        let material = &scene.objects[0].material;
-        let options = Options { transport: ShadingMethod::Walk, goal: Goal::Radiosity, ..Options::default() };
-        let mut sessions = Vec::new();
-        for own in device.iter().map(Some).chain([None]) {
-            let mut session = Session::new(&scene, own, options)?;
-            session.frame(Change::EVERYTHING)?;
-            sessions.push((if own.is_some() { "device" } else { "CPU" }, session, Vec::new()));
-        }
-        let light = sessions[0].1.faces()?.iter().map(|face| face.area * face.irradiance[1]).collect();
-        let body = Body::new(&scene, light, DVec3::Z);
-        let media = [0, 1, 2].map(|c| (material.sigma_s_prime[c], material.sigma_a[c], material.eta[c]));
-        let (mut native, mut left, mut flights) = (Vec::new(), 0.0, 0);
-        for turn in 0..TURNS {
-            let begin = Instant::now();
-            let parts: Vec<(f64, u64)> = (0..3 * PHOTONS / 100)
-                .into_par_iter()
-                .map(|part| {
-                    let mut random = Random(part.wrapping_mul(0xd134_2543_de82_ef95) ^ turn as u64);
-                    let walk = |_| body.photon(media[part as usize % 3], &mut random);
-                    (0..100).map(walk).fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
-                })
-                .collect();
-            native.push(3.0 * PHOTONS as f64 / begin.elapsed().as_secs_f64());
-            left += parts.iter().map(|part| part.0).sum::<f64>() / (3 * PHOTONS * TURNS as u64) as f64;
-            flights += parts.iter().map(|part| part.1).sum::<u64>();
-            for (_, session, rates) in &mut sessions {
-                session.frame(Change::LIGHT)?;
-                rates.push(3.0 * PHOTONS as f64 / session.walk_reports()[0].seconds);
-            }
-        }
-        let native = middle(native);
-        let flights = flights as f64 / (3 * PHOTONS * TURNS as u64) as f64;
-        println!("{name:<20} {:<10} {native:>14.3e} {:>10.2} {:>9.2} {flights:>9.1}", "native", 1.0, 100.0 * left);
-        for (about, session, rates) in sessions {
-            let rate = middle(rates);
-            let left = session.walk_reports()[0].left.iter().sum::<f64>() / 3.0;
-            println!("{name:<20} {about:<10} {rate:>14.3e} {:>10.2} {:>9.2}", rate / native, 100.0 * left);
-        }
-    }
-    Ok(())
-}
-
-fn main() {
-    if let Err(error) = run() {
-        eprintln!("{error}");
-        std::process::exit(error.exit_code().into());
+    /// Walks so many photons of each of these media, a multiple of 100, on all cores; the mean weight with which they
+    /// left, and the mean of their flights.
+    pub fn walk(&self, media: [(f64, f64, f64); 3], photons: u64, seed: u64) -> (f64, f64) {
+        let parts = (0..3 * photons / 100).into_par_iter().map(|part| {
+            let mut random = Random::of(3 * photons * seed + part);
+            let walk = |_| self.photon(media[part as usize % 3], &mut random);
+            (0..100).map(walk).fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+        });
+        let (left, flights) = parts.reduce(|| (0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+        (left / (3 * photons) as f64, flights as f64 / (3 * photons) as f64)
     }
 }
