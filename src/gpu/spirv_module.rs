@@ -88,6 +88,7 @@ impl<'a> Declared<'a> {
     }
 
     /// The ids that have this decoration with this operand.
+    #[cfg(feature = "measure")]
     pub(super) fn decorated(&self, what: Decoration, operand: u32) -> Vec<u32> {
         let has = |(key, own): (&(u32, Option<u32>, u32), &u32)| {
             let (id, member, decoration) = *key;

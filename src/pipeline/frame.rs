@@ -178,52 +178,40 @@ pub fn parts() -> impl Iterator<Item = &'static Part> {
     FRAME.iter().flat_map(|section| section.parts)
 }
 
-/// Number of stages in the frame.
-const COUNT: usize = {
+/// Room for all stages; with more of them [`STAGES`] does not compile.
+const MOST_STAGES: usize = 128;
+
+/// Every stage in the order of the frame, then the queries; how many they are.
+static ALL: ([&Stage; MOST_STAGES], usize) = {
+    let mut all = [QUERIES[0]; MOST_STAGES];
     let (mut count, mut s) = (0, 0);
     while s < FRAME.len() {
         let mut p = 0;
         while p < FRAME[s].parts.len() {
             if let Part::Loop(_, stages) = &FRAME[s].parts[p] {
-                count += stages.len();
+                count = listed(&mut all, count, stages);
             }
             p += 1;
         }
         s += 1;
     }
-    count
+    count = listed(&mut all, count, QUERIES);
+    (all, count)
 };
 
-/// Every stage in the order of the frame, then the queries.
-pub static STAGES: &[&Stage] = &{
-    let mut all = [QUERIES[0]; COUNT + QUERIES.len()];
-    let (mut count, mut s) = (0, 0);
-    while s < FRAME.len() {
-        let mut p = 0;
-        while p < FRAME[s].parts.len() {
-            if let Part::Loop(_, stages) = &FRAME[s].parts[p] {
-                let mut k = 0;
-                while k < stages.len() {
-                    all[count] = stages[k];
-                    (count, k) = (count + 1, k + 1);
-                }
-            }
-            p += 1;
-        }
-        s += 1;
-    }
+/// Adds these stages behind the first `count` ones; does not compile if one of them is incomplete.
+const fn listed(all: &mut [&'static Stage], mut count: usize, stages: &[&'static Stage]) -> usize {
     let mut k = 0;
-    while k < QUERIES.len() {
-        all[count + k] = QUERIES[k];
-        k += 1;
+    while k < stages.len() {
+        assert!(stages[k].is_complete(), "a stage declares its names, equation, writes and the tolerances' reason");
+        all[count] = stages[k];
+        (count, k) = (count + 1, k + 1);
     }
-    k = 0;
-    while k < all.len() {
-        assert!(all[k].is_complete(), "a stage declares its names, equation, writes and the tolerances' reason");
-        k += 1;
-    }
-    all
-};
+    count
+}
+
+/// Every stage in the order of the frame, then the queries.
+pub static STAGES: &[&Stage] = ALL.0.split_at(ALL.1).0;
 
 /// A stage by its name.
 pub fn stage(name: &str) -> Option<&'static Stage> {

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::curvature_view::lit_from_the_eye;
 use super::run::Session;
 use crate::error::{Input, Result};
-use crate::layout::{BufferId, Hit};
+use crate::layout::BufferId;
 use crate::state::{Scheme, Scope, State, narrow, wide};
 use crate::view::picture::Picture;
 
@@ -146,27 +147,16 @@ pub fn color(emitters: &Emitters, level: usize) -> [f32; 3] {
 
 /// Paints levels as colours, clusters as shades of them, the receiver white, everything else grey; lit from the eye.
 fn paint(state: &State, emitters: &Emitters, receivers: &[usize]) -> Picture {
-    let (data, camera) = (&state.data, &state.data.camera[0]);
     let first = state.objects[emitters.object].first.faces;
-    let pixel = |hit: &Hit| {
-        let Some(corner) = data.triangles.get(hit.face as usize) else { return [0.0; 3] };
-        let object = state.object_of(hit.face as usize);
-        let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
-        let mix =
-            |values: &[[f32; 3]]| corner.iter().zip(weight).map(|(&v, w)| w * wide(values[v as usize])).sum::<DVec3>();
-        let toward = (wide(camera.origin) - mix(data.in_scene())).normalize_or_zero();
-        let facing = 0.35 + 0.65 * mix(data.normals_in_scene()).normalize_or_zero().dot(toward).abs();
-        let own = (object == emitters.object).then(|| hit.face as usize - first);
-        let paint = match own {
+    lit_from_the_eye(state, |hit, _| {
+        let own = state.object_of(hit.face as usize) == emitters.object;
+        match own.then(|| hit.face as usize - first) {
             Some(face) if receivers.contains(&face) => DVec3::ONE,
             Some(face) => emitters.of_face[face].map_or(DVec3::splat(0.05), |(node, level)| {
                 let shade = f64::from(node.wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
                 (0.55 + 0.45 * shade) * wide(color(emitters, level))
             }),
             None => DVec3::splat(0.02),
-        };
-        narrow(facing * paint)
-    };
-    let pixels = data.hits.iter().map(pixel).collect();
-    Picture::plain(camera.width as usize, camera.height as usize, pixels)
+        }
+    })
 }

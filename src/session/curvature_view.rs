@@ -10,7 +10,7 @@ use crate::layout::{BufferId, Hit, OPAQUE_NOT};
 use crate::scene::Kappa;
 use crate::shading::fit;
 use crate::shading::smooth_curvature::kappa;
-use crate::state::{narrow, wide};
+use crate::state::{State, narrow, wide};
 use crate::view::picture::Picture;
 
 /// Colours from the least curvature to the largest, linear.
@@ -103,21 +103,29 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
         apart: [0.5, 0.95].map(|share| quantile(&apart, share)),
     };
 
-    // Lit from the eye; opaque objects are grey.
-    let data = &state.data;
-    let camera = &data.camera[0];
+    // Opaque objects are grey.
+    let paint = |hit: &Hit, corners: [(u32, f64); 3]| {
+        if state.data.object_params[state.object_of(hit.face as usize)].opaque != OPAQUE_NOT {
+            return DVec3::splat(0.05);
+        }
+        let mixed = corners.into_iter().map(|(v, w)| w * f64::from(kappa(&state.data, v as usize))).sum::<f64>();
+        wide(curvature_view.color(mixed * length))
+    };
+    Ok((lit_from_the_eye(state, paint), curvature_view))
+}
+
+/// The picture of what pixels show, lit from the eye, in colours by the hit and its triangle's corners with their
+/// weights; black where there is nothing.
+pub(super) fn lit_from_the_eye(state: &State, paint: impl Fn(&Hit, [(u32, f64); 3]) -> DVec3) -> Picture {
+    let (data, camera) = (&state.data, &state.data.camera[0]);
     let pixel = |hit: &Hit| {
-        let Some(corner) = data.triangles.get(hit.face as usize) else { return [0.0; 3] };
-        let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
-        let mix =
-            |values: &[[f32; 3]]| corner.iter().zip(weight).map(|(&v, w)| w * wide(values[v as usize])).sum::<DVec3>();
+        let Some(&[a, b, c]) = data.triangles.get(hit.face as usize) else { return [0.0; 3] };
+        let corners = [(a, 1.0 - f64::from(hit.u) - f64::from(hit.v)), (b, hit.u.into()), (c, hit.v.into())];
+        let mix = |values: &[[f32; 3]]| corners.iter().map(|&(v, w)| w * wide(values[v as usize])).sum::<DVec3>();
         let toward = (wide(camera.origin) - mix(data.in_scene())).normalize_or_zero();
         let facing = 0.35 + 0.65 * mix(data.normals_in_scene()).normalize_or_zero().dot(toward).abs();
-        let opaque = data.object_params[state.object_of(hit.face as usize)].opaque != OPAQUE_NOT;
-        let mixed = || corner.iter().zip(weight).map(|(&v, w)| w * f64::from(kappa(data, v as usize))).sum::<f64>();
-        let color = if opaque { DVec3::splat(0.05) } else { wide(curvature_view.color(mixed() * length)) };
-        narrow(facing * color)
+        narrow(facing * paint(hit, corners))
     };
     let pixels = data.hits.iter().map(pixel).collect();
-    Ok((Picture::plain(camera.width as usize, camera.height as usize, pixels), curvature_view))
+    Picture::plain(camera.width as usize, camera.height as usize, pixels)
 }

@@ -164,7 +164,8 @@ fn decide(walk: &Walk<'_>, data: &crate::layout::Buffers, receiver: u32) -> List
     lists
 }
 
-fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+/// A chunk begins, and each level counts, scans and writes; `update_links` begins with its own kernels in this order.
+pub(super) fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (schedule, chunk) = (&pass.object().schedule, pass.at.chunk);
     pass.dispatch(Some("open"), &[], &(chunk as u32).to_le_bytes(), 1)?;
     let keep = u32::from(chunk == 0 && schedule.chunks.len() > 1);

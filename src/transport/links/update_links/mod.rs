@@ -13,7 +13,7 @@ pub use self::walk::{Edits, walk};
 
 use rayon::prelude::*;
 
-use super::refine::open;
+use super::refine::{self, open};
 use super::update_form_factors::groups;
 use super::{LINKS, not_incremental};
 use crate::error::Result;
@@ -190,17 +190,8 @@ fn merge(data: &mut Buffers, receiver: u32, base: usize, stale_base: usize) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let (schedule, chunk) = (&pass.object().schedule, pass.at.chunk);
-    pass.dispatch(Some("open"), &[], &(chunk as u32).to_le_bytes(), 1)?;
-    let keep = u32::from(chunk == 0 && schedule.chunks.len() > 1);
-    for level in &schedule.chunks[chunk].levels {
-        let range = Range { first: level.start, count: level.end - level.start };
-        let push = bytemuck::bytes_of(&range);
-        pass.dispatch(Some("count"), &[], push, range.count as usize)?;
-        pass.dispatch(Some("scan"), &[], bytemuck::bytes_of(&[range.first, range.count, keep]), 1)?;
-        pass.dispatch(Some("write"), &[], push, range.count as usize)?;
-    }
-    let nodes = schedule.chunks[chunk].nodes.clone();
+    refine::gpu(pass)?;
+    let nodes = pass.object().schedule.chunks[pass.at.chunk].nodes.clone();
     let range = Range { first: nodes.start, count: nodes.end - nodes.start };
     pass.dispatch(Some("place"), &[], bytemuck::bytes_of(&range), 1)?;
     pass.dispatch_counted("merge", &[], bytemuck::bytes_of(&range), (BufferId::due_groups, DUE_MERGED))
