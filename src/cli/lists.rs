@@ -2,14 +2,15 @@
 
 use clap::Args;
 
-use super::{print, table};
+use super::{flow, print, table};
 use milkglass::Scene;
 use milkglass::error::{Input, Result};
 use milkglass::internals::pipeline::frame::{FRAME, Part, QUERIES};
 use milkglass::internals::state::{Change, Stage, Update};
+use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::table::{Column, Table};
 use milkglass::scene::{BUILTIN, Files, Preset};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `scenes`.
 #[derive(Args)]
@@ -24,10 +25,14 @@ pub struct Scenes {
 #[command(after_help = "Example: milkglass materials")]
 pub struct Materials {}
 
-/// Arguments of `stages`: none.
+/// Arguments of `stages`.
 #[derive(Args)]
-#[command(after_help = "Example: milkglass stages")]
-pub struct Stages {}
+#[command(after_help = "Example: milkglass stages --flow stages.svg")]
+pub struct Stages {
+    /// Also draw which buffers each stage reads and writes.
+    #[arg(long, value_name = "FILE.svg")]
+    flow: Option<PathBuf>,
+}
 
 /// Lists the built-in scenes, or prints one.
 pub fn scenes(arguments: &Scenes) -> Result<()> {
@@ -57,7 +62,11 @@ pub fn scenes(arguments: &Scenes) -> Result<()> {
 }
 
 /// Lists the stages in the order of a frame, under its headings.
-pub fn stages(_: &Stages) -> Result<()> {
+pub fn stages(arguments: &Stages) -> Result<()> {
+    ready([("--flow", arguments.flow.as_ref())])?;
+    if let Some(file) = &arguments.flow {
+        flow::write(file, &|_| true)?;
+    }
     let mut text = String::new();
     let header = ["stage", "module", "runs again for another", "does", "from"];
     for section in FRAME {

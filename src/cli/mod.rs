@@ -13,6 +13,7 @@ mod dump;
 pub mod eval;
 mod faces;
 mod fit_cdrf;
+mod flow;
 mod gallery;
 mod lists;
 mod long_work;

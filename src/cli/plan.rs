@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::long_work::{json_of, of_plan};
-use super::{RunArguments, SceneArguments, open_session, print, size, table, validation, write};
+use super::{RunArguments, SceneArguments, flow, open_session, print, size, table, validation, write};
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::constants;
 use milkglass::internals::pipeline::about_mode;
@@ -40,6 +40,9 @@ pub struct Arguments {
     /// Also write the plan to this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Also draw which buffers each stage reads and writes; what this scene does without is grey.
+    #[arg(long, value_name = "FILE.svg")]
+    flow: Option<PathBuf>,
 }
 
 /// A frame from scratch whose picture is shown.
@@ -50,7 +53,7 @@ const BORDERS: &str =
 
 /// Prints stages, buffers, and what is skipped.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    ready([("--json", arguments.json.as_ref())])?;
+    ready([("--json", arguments.json.as_ref()), ("--flow", arguments.flow.as_ref())])?;
     let scene = arguments.run.of(&arguments.scene).load()?;
     let device = arguments.run.device.open(validation())?;
     let mut options = arguments.run.options();
@@ -147,6 +150,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     text += &table(["stage", "because"], left);
     print(&text)?;
 
+    if let Some(path) = &arguments.flow {
+        flow::write(path, &|name| stages.iter().any(|row| row[0] == name))?;
+    }
     if let Some(path) = &arguments.json {
         let value = json!({
             "scene": scene.name,

@@ -14,7 +14,7 @@ use crate::layout::{Moment, ObjectParams, SecondMoments};
 pub struct ProfileDerivatives {
     /// `R_d`, 1/length^2.
     pub value: f64,
-    /// Its derivative by half the squared distance, 1/length^4.
+    /// Its derivative with respect to half the squared distance, 1/length^4.
     pub first: f64,
     /// The derivative of that, 1/length^6.
     pub second: f64,
@@ -100,7 +100,7 @@ impl GroupProfile {
         (0..3).filter(move |c| mask >> c & 1 == 1)
     }
 
-    /// Form factor of a whole plane through the receiver, no unit.
+    /// Form factor of a whole plane through the receiver, times the channel's tint, no unit.
     #[must_use]
     #[inline]
     pub fn plane(&self, channel: usize) -> f64 {

@@ -15,7 +15,7 @@ use super::logical_device::LogicalDevice;
 use super::reflect::{has_subgroups, reflect};
 use crate::error::{Error, Result};
 
-/// A Vulkan device with one compute queue, and its kernels. Clones share both.
+/// A Vulkan device, opened for compute, and its kernels. Clones share both.
 ///
 /// ```no_run
 /// use milkglass::Device;
@@ -38,7 +38,7 @@ impl Device {
         Self::open_as(instance, adapter, &Choices::default())
     }
 
-    /// The same, used as chosen; fails where the device lacks something for that.
+    /// Opens an adapter and uses it as `choices` say; fails where the adapter lacks what they need.
     pub fn open_as(instance: &Instance, adapter: &Adapter, choices: &Choices) -> Result<Self> {
         let logical = LogicalDevice::open(instance, adapter, choices, &Extras::default())?;
         let device = Self { logical, kernels: Rc::default() };
@@ -46,7 +46,7 @@ impl Device {
         Ok(device)
     }
 
-    /// The same device opened once more, used as chosen.
+    /// Opens the same adapter once more, with the same features and replaced kernels, and uses it as `choices` say.
     pub fn opened_as(&self, choices: &Choices) -> Result<Self> {
         Ok(Self { logical: self.logical.again(choices, self.extras())?, kernels: Rc::new(self.kernels.forgetting()) })
     }
@@ -82,7 +82,7 @@ impl Device {
     }
 
     /// The same device, opened once more if the capabilities of this SPIR-V need features that it was not opened with.
-    /// Fails if the device lacks one.
+    /// Fails if the device lacks one, or does not grant the full subgroups that this SPIR-V takes for granted.
     pub(crate) fn able(&self, kernel: &str, words: &[u32]) -> Result<Self> {
         let doing = || format!("preparing kernel {kernel}");
         self.grants_subgroups_to(kernel, words)?;
@@ -137,7 +137,7 @@ impl Device {
         Ok(as_given(&self.logical, self.kernels.words(&self.logical, kernel)?))
     }
 
-    // What others name by path, which does not see through `Deref`.
+    // Methods that callers name by a path, such as `Device::name`: paths do not look through `Deref`.
 
     /// The adapter's name.
     pub fn name(&self) -> &str {

@@ -64,7 +64,8 @@ features! {
 }
 
 impl Extras {
-    /// The features of a device with these extras; those of extensions only go with [`Self::extensions`].
+    /// The features of a device with these extras. `statistics` are those of an extension: a device may be opened with
+    /// them only together with [`Self::extensions`].
     pub(super) fn features(&self) -> Features {
         let mut features = Features::default();
         features.twelve.scalar_block_layout = vk::TRUE;
@@ -83,7 +84,7 @@ impl Extras {
 }
 
 impl Features {
-    /// What an adapter offers.
+    /// The features that an adapter offers, except `statistics`.
     pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Self {
         let mut found = Self::default();
         let mut features =

@@ -48,17 +48,17 @@ pub struct Kernel {
     pub push_bytes: u32,
     /// Whether it shares values in subgroups, and takes for granted that they are full.
     shuffles: bool,
-    /// Whether it takes that subgroups run in lockstep as a constant.
+    /// Whether it has the specialization constant that says whether subgroups run in lockstep.
     asks_lockstep: bool,
-    /// Whether its SPIR-V is the build's; others may take less than they are given.
+    /// Whether its SPIR-V is the build's; a user's kernel may take fewer constants than it is given.
     pub(super) built: bool,
     /// How long the driver took to create the pipeline.
     pub creation: Duration,
     /// Invocations of a group.
     pub group: u32,
-    /// Of them those in the first dimension.
+    /// How many of them a group has along its first dimension.
     across: u32,
-    /// The same, if it was chosen.
+    /// The invocations of a group, if the device's choices set them.
     pub(super) chosen_group: Option<u32>,
     /// Its counters, if it counts what it does.
     pub(super) meter: Option<Meter>,
@@ -119,14 +119,14 @@ impl Kernel {
             kept.then(|| Source { words: words.clone(), constants: constants.to_vec(), baked: RefCell::default() });
         let mut kernel = Self::described(device, name, &words, constants)?;
         kernel.source = source.filter(|_| kernel.push_bytes > 0).map(Box::new);
-        // Where push constants become specialization constants, only the kernels of their values have pipelines.
+        // Where push constants become specialization constants, `baked` makes a pipeline for each of their values.
         match kernel.source {
             Some(_) => Ok(kernel),
             None => kernel.with_pipeline(words, special),
         }
     }
 
-    /// The kernel for these push constants, which takes none.
+    /// The kernel with these push constants as specialization constants, or this one where it does not need that.
     pub(super) fn baked(self: &Rc<Self>, push: &[u8]) -> Result<Rc<Self>> {
         let Some(source) = &self.source else { return Ok(self.clone()) };
         if let Some(known) = source.baked.borrow().get(push) {
@@ -192,7 +192,8 @@ impl Kernel {
         let values: Vec<u32> = special.iter().map(|(_, value)| *value).collect();
         let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let raw = device.raw();
-        // SAFETY: every handle is this device's and is stored in `self` at once, which frees it after a failure.
+        // SAFETY: every handle is this device's. The module is destroyed once the pipeline is made or refused; all
+        // others are in `self`, which frees them.
         unsafe {
             let info = vk::ShaderModuleCreateInfo::default().code(&words);
             let module = vk_call("vkCreateShaderModule", &doing, || raw.create_shader_module(&info, None))?;

@@ -8,7 +8,7 @@ use super::Tree;
 
 /// Smaller clusters are ignored: emitter lists hold larger clusters or single triangles.
 const FEWEST: usize = 16;
-/// The fewest triangles of a sample that tell how large a cluster is.
+/// A cluster with fewer triangles in a sample is ignored: its size would be too uncertain.
 const FEWEST_TAKEN: usize = 4;
 
 /// Some of a tree's triangles, evenly spread over its leaves, with the clusters that join them.
@@ -16,9 +16,9 @@ const FEWEST_TAKEN: usize = 4;
 pub struct Sample {
     /// The triangles.
     pub faces: Vec<u32>,
-    /// The fewest of them in a cluster that counts.
+    /// The fewest of them that a cluster must have to count.
     fewest: usize,
-    /// The clusters, children first: the next triangle, or (false) the union of the last two clusters.
+    /// How clusters are put together, children first: true adds the next triangle, false joins the last two clusters.
     steps: Vec<bool>,
 }
 
@@ -63,7 +63,7 @@ impl Sample {
                 let edges = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
                 (1, 0.5 * (b - a).cross(c - a).length(), (a + b + c) / 3.0, edges / 36.0)
             } else {
-                // The last one is the left one.
+                // Nodes come in reverse order, so the left child was added last.
                 let (l, r) = (open.pop().unwrap_or_default(), open.pop().unwrap_or_default());
                 let area = l.1 + r.1;
                 let center = l.2.lerp(r.2, if area > 0.0 { r.1 / area } else { 0.5 });

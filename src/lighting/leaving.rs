@@ -1,8 +1,8 @@
 //! The cosine towards the eye at which light leaves, in step with `glsl/lighting/leaving.glsl`.
 //!
-//! Interpolated normals turn edge-on before a coarse mesh ends, and no light leaves edge-on: a dark seam along the
-//! silhouette. So where the triangle itself is seen at a larger cosine, that counts, up to [`LEAST_SEEN`]. On a fine
-//! mesh both are the same.
+//! On a coarse mesh, interpolated normals turn edge-on before the silhouette is reached. No light leaves edge-on, so
+//! the silhouette would have a dark seam. The cosine is therefore at least that of the triangle's own normal, or
+//! [`LEAST_SEEN`] if that is less. On a fine mesh the two normals are nearly the same.
 
 use glam::DVec3;
 

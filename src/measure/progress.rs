@@ -25,7 +25,7 @@ pub fn observe(observer: Box<dyn Observer>) {
 pub(crate) struct Progress(Option<&'static dyn Observer>);
 
 impl Progress {
-    /// Work of this many steps.
+    /// Begins work of this many steps.
     pub(crate) fn new(steps: usize) -> Self {
         let observer = OBSERVER.get().map(|observer| &**observer);
         if let Some(observer) = observer {

@@ -15,7 +15,8 @@ use serde::Deserialize;
 /// Default relative index of refraction of a material without a preset.
 pub const ETA: f64 = 1.3;
 
-/// The largest index for which the papers' polynomial F_dr stays below 1; at 1 the boundary term is infinite.
+/// The largest index that the papers' polynomial is used for: up to it F_dr stays below 1, where the boundary term
+/// would be infinite.
 const PAPER_ETA: f64 = 3.8;
 
 /// Which formula gives the diffuse Fresnel reflectance F_dr of the dipole's boundary.
@@ -33,7 +34,7 @@ pub enum Fresnel {
 /// A validated homogeneous material, translucent or opaque.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// The preset's name, `NAME, modified` when keys override it, or `custom`.
+    /// The preset's name, `NAME, modified` when keys override it, `custom` without a preset, or `opaque`.
     pub name: String,
     /// Reduced scattering coefficient per scene unit, r g b, at least 0.
     pub sigma_s_prime: [f64; 3],
@@ -41,7 +42,7 @@ pub struct Material {
     pub sigma_a: [f64; 3],
     /// Relative index of refraction, inside over outside, r g b, 0.5 to 5.
     pub eta: [f64; 3],
-    /// Mean cosine of scattering, r g b, -0.95 to 0.95: of the random walk and of single scattering.
+    /// Mean cosine of the scattering angle, r g b, -0.95 to 0.95; the random walk and single scattering use it.
     pub g: [f64; 3],
     /// Diffuse albedo of an opaque object, r g b, 0 to 1; none if light enters.
     pub opaque: Option<[f64; 3]>,
@@ -169,7 +170,7 @@ impl Material {
         made.check_single(key).map(|()| made)
     }
 
-    /// A material that no light enters: a diffuse surface with an index that defaults to 1 if nothing is reflected.
+    /// A material that light does not enter: a diffuse surface. Its index defaults to 1, or to 1.5 if it reflects.
     fn opaque(file: &MaterialFile, key: &impl Fn(&str) -> String) -> Checked<Self> {
         let others = [
             ("preset", file.preset.is_some()),
@@ -221,7 +222,7 @@ impl Material {
         })
     }
 
-    /// Whether light scattered once has a meaning in this material.
+    /// Fails if `single_scattering` is set beside a key with which it has no meaning.
     fn check_single(&self, key: impl Fn(&str) -> String) -> Checked<()> {
         let entry = self.texture.as_ref().is_some_and(|texture| texture.side != Side::Exit);
         let (other, what, expected) = match () {

@@ -5,9 +5,9 @@ use super::local::{BLUR_TEXTURE, CDRF_TABLE, Cdrf, Kappa};
 use super::range::{self, Checked};
 use crate::error::Input;
 use crate::layout::MOST_STEPS;
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use std::ops::RangeInclusive;
-use toml::Table;
+use toml::{Table, Value};
 
 /// Most photons of a channel.
 pub const MOST_WALKS: u32 = 1_000_000_000;
@@ -30,6 +30,7 @@ pub struct Transport {
     /// How faces are grouped into clusters.
     pub hierarchy: Hierarchy,
     /// Hierarchies butterfly and shrink-wrap: levels of 4-to-1 subdivision of the base, 1 to 8, if given.
+    #[serde(deserialize_with = "count")]
     pub levels: Option<u32>,
     /// Where radiosity is computed for a picture.
     pub receivers: Receivers,
@@ -54,11 +55,14 @@ pub struct Transport {
     /// The random walk: estimated relative error of means over patches (L2, worst channel), 1e-4 to 1.
     pub walk_error: f64,
     /// The random walk: photons of each channel and object instead of that error, at least 1, if given.
+    #[serde(deserialize_with = "count")]
     pub walks: Option<u32>,
     /// Diffusion: steps of the solver instead of `tolerance`, 1 to 30, if given.
+    #[serde(deserialize_with = "count")]
     pub steps: Option<u32>,
     /// Mode incremental: maximum number of form factors that a frame computes for links that are kept, at least 1;
     /// unlimited if omitted.
+    #[serde(deserialize_with = "count")]
     pub budget: Option<u32>,
     /// How the CDRF is evaluated.
     pub cdrf: Cdrf,
@@ -85,7 +89,8 @@ impl Transport {
     pub(super) fn check(&self, given: &Table) -> Checked<Self> {
         let has = |key: &str| given.contains_key(key);
         for (key, value, range, expected) in self.numbers() {
-            if let Some(value) = value {
+            let written = given.get(key).and_then(Value::as_integer).map(|number| number as f64);
+            if let Some(value) = written.or(value) {
                 range::number(&format!("transport.{key}"), value, |x| range.contains(&x), expected)?;
             }
         }
@@ -167,6 +172,12 @@ impl Transport {
             None => Ok((chosen, because)),
         }
     }
+}
+
+/// A count that is written: one that no `u32` holds becomes the nearest, since [`Transport::check`] tells its range.
+fn count<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u32>, D::Error> {
+    let number = i64::deserialize(from)?;
+    Ok(Some(number.clamp(0, u32::MAX.into()) as u32))
 }
 
 impl Default for Transport {
@@ -254,6 +265,8 @@ mod tests {
                 "unknown variant `octree`, expected one of `face-clusters`, `median`, `butterfly`, `shrink-wrap`",
             ),
             ("budget = 0", "transport.budget: out of range; found 0; expected form factors of a frame, 1 to"),
+            ("budget = -1", "transport.budget: out of range; found -1; expected form factors of a frame, 1 to"),
+            ("walks = 5000000000", "transport.walks: out of range; found 5000000000; expected photons of a channel"),
             ("levels = 3", "transport.levels: only a hierarchy of 4-to-1 splits has levels; expected"),
             ("hierarchy = 'butterfly'\nlevels = 9", "transport.levels: out of range; found 9; expected 1 to 8"),
         ];

@@ -1,8 +1,11 @@
 //! [`Stage`]: the declaration of one step of the frame, with all that the frame, the plan, conformance and the
 //! profile need to know of it.
 
+use std::collections::BTreeSet;
+
 use crate::error::Result;
-use crate::layout::BufferId;
+use crate::gpu::{accesses, kernel_names};
+use crate::layout::{BUFFER_IDS, BufferId};
 
 use super::{Carrier, Granularity, Method, Object, Pass, Scope, State, Tolerance, Update};
 
@@ -148,6 +151,17 @@ impl Stage {
             k += 1;
         }
         false
+    }
+
+    /// The buffers that its kernels read, except those that it writes, too: as their SPIR-V declares them.
+    pub fn reads(&self) -> Result<BTreeSet<BufferId>> {
+        let mut reads = BTreeSet::new();
+        for kernel in kernel_names().filter(|kernel| self.owns(kernel)) {
+            let read = accesses(kernel)?.into_iter().filter(|access| access.reads);
+            reads.extend(read.map(|access| BUFFER_IDS[access.binding as usize]));
+        }
+        reads.retain(|&buffer| !self.writes(buffer));
+        Ok(reads)
     }
 
     /// Whether this kernel is one of its own: `MODULE/STAGE` or `MODULE/STAGE/PART`.

@@ -1,6 +1,6 @@
 //! The commands that list what is built in (stages, scenes, materials, devices), and the help of every command.
 
-use crate::shell::{bad, folder, good};
+use crate::shell::{bad, folder, good, read};
 
 #[test]
 fn every_stage_is_listed() {
@@ -10,6 +10,35 @@ fn every_stage_is_listed() {
         let row = text.lines().find(|line| line.split_whitespace().next() == Some(stage.name));
         assert!(row.is_some_and(|row| row.contains(stage.about)), "{}", stage.name);
     }
+}
+
+#[test]
+fn the_flow_of_data_is_drawn() {
+    let here = folder(&[]);
+    good(&here, "stages --flow all.svg");
+    let drawn = read(&here, "all.svg");
+    for stage in milkglass::internals::pipeline::frame::parts().flat_map(|part| part.stages()) {
+        assert!(drawn.contains(&format!(">{}<title>", stage.name)), "{}", stage.name);
+    }
+    // `gather` sums over the lists that `link` writes.
+    let title =
+        |stage: &str| drawn.split(&format!(">{stage}<title>")).nth(1).unwrap().split("</title>").next().unwrap();
+    let list = |stage: &str, word: &str| {
+        let line = title(stage).lines().find_map(|line| line.strip_prefix(word)).unwrap().to_string();
+        line.split(',').map(|name| name.trim().to_string()).collect::<Vec<_>>()
+    };
+    assert!(list("link", "writes").contains(&"entries".to_string()), "{}", title("link"));
+    assert!(list("gather", "reads").contains(&"entries".to_string()), "{}", title("gather"));
+    assert!(list("octree", "writes").contains(&"radiosity".to_string()), "{}", title("octree"));
+    // A plan greys out what a scene does without.
+    good(&here, "plan sphere --device cpu --set object.0.detail=1 --flow sphere.svg");
+    let sphere = read(&here, "sphere.svg");
+    let grey = |stage: &str| {
+        let line = sphere.lines().find(|line| line.contains(&format!(">{stage}<title>"))).unwrap();
+        line.contains("#b0b0b0")
+    };
+    assert!(grey("relief") && grey("octree") && !grey("gather"));
+    bad(&here, "stages --flow nowhere/all.svg", 2, &["nowhere/all.svg", "could not be written"]);
 }
 
 /// The names of all commands, as the help lists them.

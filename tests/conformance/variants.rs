@@ -1,4 +1,5 @@
-//! However the API is used, every buffer holds what it holds by default.
+//! However the Vulkan API is used, every buffer has the bits that it has by default; where a variant changes the
+//! arithmetic, every stage conforms.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +11,7 @@ use milkglass::measure::vary::{Computed, Proof, Variant, asked, computed_steps, 
 use super::stages::all;
 use crate::devices::on_devices;
 
-/// Small fixtures with lists, solvers, joints, links that are kept, photons and layers: most stages.
+/// Small fixtures that together run most stages: with lists, a solver, joints, kept links, photons and layers.
 const SOME: &[&str] = &[
     "bump over kept links, displaced sources",
     "diffusion in two objects, the dipole in a third",
@@ -31,13 +32,13 @@ fn stages_of(fixtures: &[Fixture]) -> BTreeSet<&'static str> {
     fixtures.iter().flat_map(|one| one.steps.iter().map(|step| step.stage.name)).collect()
 }
 
-/// A device used as chosen whose buffers are defined everywhere.
+/// The device opened again and used as chosen, with new buffers filled with 0, so that no byte is undefined.
 fn cleared(device: &Device, choices: &Choices) -> Device {
     device.opened_as(&Choices { fill: Some(0), ..choices.clone() }).unwrap()
 }
 
-/// Compares every variant that a device can run with the default, on these fixtures: on all of them, or on one in
-/// `parts`, others for the next variant.
+/// Compares every variant that a device can run with the default. Each variant runs every `parts`-th of these fixtures,
+/// and the next variant begins with the next fixture; with 1, each runs all.
 fn compare(fixtures: &[&Fixture], parts: usize) {
     let variants: Vec<Variant> = AXES.iter().flat_map(|axis| asked(axis.name).unwrap().variants).collect();
     on_devices(|device| {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 mod cycles;
 mod includes;
 mod promises;
+mod twins;
 
 /// The modules from top to bottom; a module may use those below it.
 const FLOORS: &[&[&str]] = &[

@@ -50,7 +50,8 @@ void main() {
         float part = (dot(u, u) * cc + dot(w, w) * cb) / 8.0;
         part = db < 0.0 || dc < 0.0 ? twice / 8.0 : part;
         area += whole ? (da < 0.0 ? twice / 4.0 : part) : 0.0;
-        // tan(projected - own) = (|n| ab - da |n| (1 - cos)) / (da (da - ab) + |n|^2 cos), all over |n| |u| |w|.
+        // With N the vertex normal, ab = (u.N) (w.N) and cos = N.n / |n|:
+        // tan(projected - own) = |n| (ab - da (1 - cos)) / (da (da - ab) + |n|^2 cos).
         vec3 tilt = normal - n * over;
         float lost = 0.5 * dot(tilt, tilt), rise = dot(u, normal) * dot(w, normal);
         float across = twice * (rise - da * lost), along = da * (da - rise) + twice * twice * (1.0 - lost);
@@ -65,7 +66,7 @@ void main() {
     if (stands && after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > LEAST_MIXED_AREA) {
         float plain = TURN - angle;
         deficit = least < 0.25 ? plain : deficit - TURN * round((deficit - plain) / TURN);
-        // The edges point away from the vertex here.
+        // `pull` sums edges that point away from the vertex, those of the formula point to it: hence the minus sign.
         float mean = clamp(-dot(pull, normal) / (4.0 * area), -MOST_CURVATURE, MOST_CURVATURE);
         float gaussian = clamp(deficit / area, -MOST_CURVATURE * MOST_CURVATURE, MOST_CURVATURE * MOST_CURVATURE);
         float rms = sqrt(mean * mean + max(mean * mean - gaussian, 0.0));

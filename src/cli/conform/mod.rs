@@ -27,7 +27,8 @@ use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::probe::probe;
 use milkglass::measure::results::{DeviceFacts, Outcome, Results, read};
 
-/// Runs the fixtures on every requested device; fails on any difference beyond tolerance.
+/// Runs the fixtures or scenes that were chosen on every requested device; fails if a stage does not conform and
+/// `--expect` does not say so.
 pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(name) = arguments.stage.iter().find(|name| stage(name).is_none()) {
         let names: Vec<_> = STAGES.iter().map(|stage| stage.name).collect();
@@ -99,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         false => alone::run(arguments, &choices, &open, &kernels, &mut sink),
     };
     if let Err(error) = done {
-        // What there is so far is kept.
+        // Write the results so far.
         sink.finish(arguments)?;
         return Err(error);
     }

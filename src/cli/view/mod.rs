@@ -16,7 +16,7 @@ mod viewer;
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use winit::event_loop::EventLoop;
 
 use self::app::App;
@@ -38,7 +38,7 @@ pub struct Arguments {
     picture: PictureArguments,
     /// How frames reach the screen.
     #[arg(long, value_enum, default_value_t)]
-    present: PresentArgument,
+    present: PresentMode,
     /// Close the window after so many frames.
     #[arg(long, value_name = "N")]
     frames_limit: Option<u64>,
@@ -48,15 +48,6 @@ pub struct Arguments {
     /// Play the events of this file: keys, drags, sizes, screenshots.
     #[arg(long, value_name = "EVENTS.toml")]
     play: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum PresentArgument {
-    /// Each frame is shown, at the screen's pace.
-    #[default]
-    Fifo,
-    /// The latest frame is shown; `fifo` where the window system does not offer it.
-    Mailbox,
 }
 
 /// Opens the window, and returns once it is closed.
@@ -93,12 +84,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = run.of(scene).words().into_iter().filter(|word| !word.starts_with("--frame="));
     let words = scene.chain(bare.words()).chain(run.device.words()).collect();
     let viewer = Viewer::new(subject, size, &device, run.option_args, words)?;
-    let present = match arguments.present {
-        PresentArgument::Fifo => PresentMode::Fifo,
-        PresentArgument::Mailbox => PresentMode::Mailbox,
-    };
     let mut app = App::new(viewer, device.clone(), play);
-    app.present = present;
+    app.present = arguments.present;
     app.limit = arguments.frames_limit;
     app.screenshot.clone_from(&arguments.screenshot);
     let ended = events.run_app(&mut app).map_err(|error| Error::device("showing a window", error));

@@ -1,9 +1,9 @@
-//! A triangle as its form factor needs it: edges around the foot of the receiving point.
+//! A triangle as the edge form needs it: its edges as seen from the foot of the receiving point.
 //!
 //! Symbols of Table 2 of Mertens et al. 2003: the foot `d'` is the projection of the point on the triangle's plane,
-//! `R` its distance to an edge's line (here with a sign: positive where the foot is on the inner side), `t` the
-//! position along that line, counted from the foot's projection on it. Both sources and all channels share the foot,
-//! so this is computed once for a triangle and point.
+//! `R` its distance to an edge's line (here [`Edge::offset`], with a sign: `sense * offset` is positive where the foot
+//! is on the inner side), `t` the position along that line, counted from the foot's projection on it. Both
+//! sources and all channels share the foot, so one footprint serves them all.
 
 use super::vector_area;
 use glam::DVec3;
@@ -35,8 +35,8 @@ pub struct Footprint {
 impl Footprint {
     /// The footprint of a triangle with counter-clockwise corners for the point `x_o`.
     ///
-    /// `indices` are the corners' vertex indices in the mesh: an edge shared by two triangles of one plane then gives
-    /// the same bits in both, with opposite signs. None if the area is 0.
+    /// `indices` are the corners' vertex indices in the mesh: an edge shared by two triangles with equal normals then
+    /// has the same bits in both, with opposite `sense`. None if the area is 0 or not finite.
     #[must_use]
     pub fn new(triangle: &[DVec3; 3], indices: [u32; 3], x_o: DVec3) -> Option<Self> {
         let area = vector_area(triangle);

@@ -1,9 +1,8 @@
 //! The form factor by a few samples on the triangle's area.
 //!
 //! One sample at the centroid is the paper's far field (equation 7). Its leading error is known: the
-//! second moment of the triangle times the curvature of the kernel. [`midpoint_moment`] adds that
-//! term for one multiply and no further exponential; [`sampled`] takes a symmetric rule of
-//! Dunavant 1985 instead.
+//! second moment of the triangle times the second derivatives of the kernel. [`midpoint_moment`] adds
+//! that term without a further exponential; [`sampled`] takes a symmetric rule of Dunavant 1985 instead.
 
 use super::{Distance, vector_area};
 use crate::dipole::profile::{Dipole, kernel};

@@ -15,12 +15,12 @@ pub(super) const SHOWING: &str = "showing a picture in the window";
 const TURN: u64 = 1_000_000_000;
 
 /// How finished frames reach the screen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum PresentMode {
-    /// Each is shown, at the screen's pace.
+    /// Each frame is shown, at the screen's pace.
     #[default]
     Fifo,
-    /// The latest is shown, the others are dropped; [`Self::Fifo`] where the window system does not offer it.
+    /// The latest frame is shown; `fifo` where the window system does not offer it.
     Mailbox,
 }
 

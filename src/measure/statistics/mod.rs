@@ -2,10 +2,11 @@
 //! drift. Pure functions of samples; nothing here runs or times anything.
 //!
 //! - [`median_interval`]: a median, with the percentile interval of a bootstrap over blocks of neighbouring samples.
-//! - [`paired_ratio`]: the ratio of two variants measured in the same rounds in random order. Exact for any noise.
-//! - [`fewest_pairs`]: how many of those it takes for an interval.
-//! - [`ratio_of_medians`]: the ratio of two runs that share nothing, such as files.
-//! - [`each_of`]: the confidence of each of several intervals, so that all hold together.
+//! - [`paired_ratio`]: the ratio of two variants measured in the same rounds in random order. Its interval holds at
+//!   least as often as it says, whatever the noise is.
+//! - [`fewest_pairs`]: the fewest pairs for which that interval has two ends.
+//! - [`ratio_of_medians`]: the ratio of two runs that were not measured together, such as those of two files.
+//! - [`each_of`]: the confidence that each of several intervals needs so that all hold at once.
 //! - [`warm_up`] and [`drift`]: how many of the first samples to drop, and whether the rest has a trend.
 
 mod bootstrap;
@@ -25,7 +26,7 @@ pub use series::{drift, warm_up};
 /// A measured value and its confidence interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Interval {
-    /// The value of the sample.
+    /// The value that the samples give.
     pub value: f64,
     /// The lower end of the interval.
     pub low: f64,
@@ -40,7 +41,7 @@ impl Interval {
         (self.high - self.low) / (2.0 * self.value)
     }
 
-    /// Whether it leaves out this value.
+    /// Whether this value lies outside the interval.
     #[must_use]
     pub fn excludes(&self, value: f64) -> bool {
         self.high < value || self.low > value

@@ -1,5 +1,5 @@
-//! Diffusion in extreme media and shapes: the device's radiosity against the CPU's, and what is left of the equation by
-//! sums over all pairs of triangles in `f64`.
+//! Diffusion in extreme media and shapes: the device's radiosity against the CPU's, and the residual of the equation at
+//! some triangles, by sums over all triangles in `f64`.
 
 use super::{Found, Plant, Worst};
 use crate::error::Result;

@@ -5,7 +5,8 @@
 #include "invocation.glsl"
 #include "transport/links/form_factor/area.glsl"
 
-// The due links that take area points: they follow those that take one sample.
+// Computes the form factors of the due links that take area points; `ranked_links` has them after the links that take
+// one sample.
 READS(counters)
 READS(ranked_links)
 UPDATES(factors)

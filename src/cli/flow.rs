@@ -1,0 +1,218 @@
+//! The flow of data through a frame as a drawing: stages from top to bottom in the order of the frame, with the loops
+//! that they run in, and beside them a line for each buffer from its first use to its last.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use milkglass::error::Result;
+use milkglass::internals::layout::{BUFFER_IDS, BufferId};
+use milkglass::internals::pipeline::frame::{FRAME, Part};
+use milkglass::internals::state::{Granularity, Host, Role, Stage};
+use milkglass::internals::view::atomic_file::write_atomically;
+
+/// Height of a row and width of a lane of buffers, pixels.
+const ROW: usize = 16;
+const LANE: usize = 20;
+/// Where the names of stages and the lanes begin, from the left.
+const NAMES: usize = 110;
+const LANES: usize = 290;
+/// Rows above the first one: what marks mean.
+const HEAD: usize = 3;
+/// Letters of a buffer's name that a row is as high as: they are written along its line.
+const LETTERS: usize = 3;
+
+/// What a step of the frame does with a buffer.
+#[derive(Clone, Copy, PartialEq)]
+enum Use {
+    Read,
+    Write,
+    Update,
+}
+
+/// A row of the drawing.
+struct Row {
+    /// The name of the stage, or the title of a section.
+    name: &'static str,
+    /// What the stage does; empty for a title.
+    about: &'static str,
+    /// What it does with buffers.
+    uses: Vec<(BufferId, Use)>,
+    /// Whether the frame runs it.
+    runs: bool,
+}
+
+/// A loop of stages: its name, and its first and last row.
+type Loop = (&'static str, usize, usize);
+
+/// A line of a buffer: its lane and its rows.
+struct Line {
+    buffer: BufferId,
+    lane: usize,
+    first: usize,
+    last: usize,
+}
+
+impl Line {
+    /// The row in which the line and the name along it end.
+    fn end(&self) -> usize {
+        self.last.max(self.first + self.buffer.spec().name.len() / LETTERS)
+    }
+}
+
+/// What a stage does with buffers.
+fn uses(stage: &Stage) -> Result<Vec<(BufferId, Use)>> {
+    let reads = stage.reads()?.into_iter().map(|buffer| (buffer, Use::Read));
+    let kind = |role: Role| if role == Role::Update { Use::Update } else { Use::Write };
+    Ok(reads.chain(stage.writes.iter().map(|&(buffer, role, _)| (buffer, kind(role)))).collect())
+}
+
+/// The rows of the frame, and its loops.
+fn rows(runs: &dyn Fn(&str) -> bool) -> Result<(Vec<Row>, Vec<Loop>)> {
+    let (mut rows, mut loops) = (Vec::new(), Vec::new());
+    for section in FRAME {
+        rows.push(Row { name: section.title, about: "", uses: Vec::new(), runs: true });
+        for part in section.parts {
+            let first = rows.len();
+            match part {
+                Part::Loop(granularity, stages) => {
+                    for stage in *stages {
+                        let Stage { name, about, .. } = stage;
+                        rows.push(Row { name, about, uses: uses(stage)?, runs: runs(name) });
+                    }
+                    loops.extend(each(*granularity).map(|name| (name, first, rows.len() - 1)));
+                }
+                Part::Host(Host { name, about, reads, writes, .. }) => {
+                    let uses = vec![(*reads, Use::Read), (*writes, Use::Write)];
+                    rows.push(Row { name, about, uses, runs: runs(name) });
+                    loops.push(("on the host", first, first));
+                }
+            }
+        }
+    }
+    Ok((rows, loops))
+}
+
+/// The name of a loop; `None` where stages run once.
+fn each(granularity: Granularity) -> Option<&'static str> {
+    Some(match granularity {
+        Granularity::Scene => return None,
+        Granularity::Object => "each object",
+        Granularity::Chunk => "each chunk",
+        Granularity::Group => "each group",
+        Granularity::Batch => "each batch",
+        Granularity::Iteration => "each iteration",
+    })
+}
+
+/// The lines of all buffers that the frame uses, in as few lanes as hold them and their names.
+fn lines(rows: &[Row]) -> Vec<Line> {
+    let mut lines: Vec<Line> = BUFFER_IDS
+        .iter()
+        .filter_map(|&buffer| {
+            let uses = |row: &Row| row.uses.iter().any(|(used, _)| *used == buffer);
+            let first = rows.iter().position(uses)?;
+            let last = rows.iter().rposition(uses)?;
+            Some(Line { buffer, lane: 0, first, last })
+        })
+        .collect();
+    lines.sort_by_key(|line| (line.first, line.last));
+    // The first free row of each lane.
+    let mut free: Vec<usize> = Vec::new();
+    for line in &mut lines {
+        line.lane = free.iter().position(|row| *row <= line.first).unwrap_or(free.len());
+        if line.lane == free.len() {
+            free.push(0);
+        }
+        free[line.lane] = 2 + line.end();
+    }
+    lines
+}
+
+/// Draws the frame; stages that do not run are grey, and so are buffers that only they use.
+fn drawing(runs: &dyn Fn(&str) -> bool) -> Result<String> {
+    let (rows, loops) = rows(runs)?;
+    let lines = lines(&rows);
+    let lanes = lines.iter().map(|line| line.lane + 1).max().unwrap_or(0);
+    let end = lines.iter().map(|line| line.end() + 2).max().unwrap_or(0).max(rows.len());
+    let (width, height) = (LANES + (lanes + 1) * LANE, (HEAD + end) * ROW);
+    let middle = |row: usize| (HEAD + row) * ROW + ROW / 2;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+         font-family=\"sans-serif\" font-size=\"11\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
+         <text x=\"10\" y=\"20\">Time runs downwards. A line is a buffer: filled where a stage writes it, open where \
+         one reads it, both where it does both.</text>\n\
+         <text x=\"10\" y=\"36\"><tspan fill=\"#1f5fa8\">Blue</tspan>: written by the host only. \
+         <tspan fill=\"#b0b0b0\">Grey</tspan>: left out.</text>\n"
+    );
+    let mut put = |text: std::fmt::Arguments<'_>| {
+        let _ = svg.write_fmt(text);
+        svg.push('\n');
+    };
+    for (row, Row { name, about, uses, runs }) in rows.iter().enumerate() {
+        if about.is_empty() {
+            continue;
+        }
+        let y = middle(row) + 4;
+        let color = if *runs { "black" } else { "#b0b0b0" };
+        let list = |wanted: &[Use]| {
+            let names = uses.iter().filter(|(_, kind)| wanted.contains(kind)).map(|(buffer, _)| buffer.spec().name);
+            names.collect::<Vec<_>>().join(", ")
+        };
+        let (reads, writes) = (list(&[Use::Read, Use::Update]), list(&[Use::Write, Use::Update]));
+        put(format_args!(
+            "<text x=\"{NAMES}\" y=\"{y}\" fill=\"{color}\">{name}<title>{about}\nreads {reads}\nwrites {writes}\
+             </title></text>"
+        ));
+    }
+    for (name, first, last) in loops {
+        let (top, bottom, y) = (middle(first) - 6, middle(last) + 6, middle(first) + 4);
+        put(format_args!("<text x=\"10\" y=\"{y}\" fill=\"#666\" font-size=\"10\">{name}</text>"));
+        put(format_args!("<path d=\"M{0} {top}h-5V{bottom}h5\" fill=\"none\" stroke=\"#666\"/>", NAMES - 6));
+    }
+    for Line { buffer, lane, first, last } in &lines {
+        let x = LANES + lane * LANE;
+        let used = |row: &&Row| row.uses.iter().any(|(known, _)| known == buffer);
+        let writes = |row: &Row| row.uses.iter().any(|(known, kind)| known == buffer && *kind != Use::Read);
+        let color = match () {
+            () if !rows.iter().filter(used).any(|row| row.runs) => "#b0b0b0",
+            () if !rows.iter().any(writes) => "#1f5fa8",
+            () => "black",
+        };
+        let (top, bottom, name) = (middle(*first), middle(*last), buffer.spec().name);
+        put(format_args!("<path d=\"M{x} {top}V{bottom}\" stroke=\"{color}\"/>"));
+        put(format_args!(
+            "<text transform=\"translate({} {}) rotate(90)\" fill=\"{color}\" font-size=\"9\">{name}</text>",
+            x + 4,
+            top + 6
+        ));
+        for (row, one) in rows.iter().enumerate() {
+            for (_, kind) in one.uses.iter().filter(|(known, _)| known == buffer) {
+                let y = middle(row);
+                let color = if one.runs { color } else { "#b0b0b0" };
+                let (fill, ring) = match kind {
+                    Use::Read => ("white", 3),
+                    Use::Write | Use::Update => (color, 3),
+                };
+                put(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{ring}\" fill=\"{fill}\" stroke=\"{color}\"/>"));
+                if *kind == Use::Update {
+                    put(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"1.5\" fill=\"white\"/>"));
+                }
+            }
+        }
+    }
+    // Titles lie over the lines, with a white rim.
+    for (row, Row { name, .. }) in rows.iter().enumerate().filter(|(_, row)| row.about.is_empty()) {
+        let y = middle(row) + 4;
+        put(format_args!(
+            "<text x=\"10\" y=\"{y}\" font-weight=\"bold\" stroke=\"white\" stroke-width=\"4\" \
+             paint-order=\"stroke\">{name}</text>"
+        ));
+    }
+    Ok(svg + "</svg>\n")
+}
+
+/// Writes the drawing to a file.
+pub(super) fn write(path: &Path, runs: &dyn Fn(&str) -> bool) -> Result<()> {
+    let svg = drawing(runs)?;
+    write_atomically(path, |beside| std::fs::write(beside, svg).map_err(|error| error.to_string()))
+}
