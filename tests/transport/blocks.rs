@@ -252,8 +252,7 @@ fn the_tolerance_is_met() {
     for (name, set) in
         [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=20"), ("lotus", "object.0.detail=32")]
     {
-        let sizes = if name == "sphere" { &[4.0, 20.0, 300.0][..] } else { &[4.0, 300.0] };
-        for size in sizes {
+        for size in [4.0, 20.0, 300.0] {
             // The lamp's position scales with the object.
             let lamp = match name {
                 "slab" => format!("light.0.position={:?}", [-3.0, 2.0, -7.0].map(|x| x * size / 20.0)),

@@ -218,8 +218,8 @@ pub(super) fn dense(data: &Buffers, c: usize) -> Vec<f64> {
 fn tolerances_are_met_against_the_dense_system() {
     let cases: [(&str, &[&str]); 4] = [
         ("sphere", &["object.0.detail=3", "object.0.size=20"]),
-        ("sphere", &["object.0.shape=torus", "object.0.detail=20", "object.0.material.preset=wholemilk"]),
-        ("sphere", &["object.0.shape=slab", "object.0.detail=10", "object.0.material.preset=skin1"]),
+        ("sphere", &["object.0.shape=torus", "object.0.detail=28", "object.0.material.preset=wholemilk"]),
+        ("sphere", &["object.0.shape=slab", "object.0.detail=14", "object.0.material.preset=skin1"]),
         (
             "sphere",
             &["object.0.detail=3", "object.0.size=300", "object.0.deform.0={ type='noise', amplitude=40, scale=90 }"],
