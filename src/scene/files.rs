@@ -78,6 +78,20 @@ pub fn was_read(path: &Path) -> bool {
     inputs().contains(path)
 }
 
+/// What has to be undone before a file of these bytes can be read, if there is anything.
+#[must_use]
+pub(super) fn packed(bytes: &[u8]) -> Option<&'static str> {
+    let marks: [(&[u8], &str); 6] = [
+        (b"\x1f\x8b", "data packed by gzip"),
+        (b"PK\x03\x04", "a zip archive"),
+        (b"\x28\xb5\x2f\xfd", "data packed by zstd"),
+        (b"\xfd7zXZ\0", "data packed by xz"),
+        (b"\xff\xfe", "UTF-16 text, not UTF-8"),
+        (b"\xfe\xff", "UTF-16 text, not UTF-8"),
+    ];
+    marks.iter().find(|(mark, _)| bytes.starts_with(mark)).map(|(_, words)| *words)
+}
+
 impl Files {
     /// Files on disk, and the scene's memory limit in bytes.
     #[must_use]

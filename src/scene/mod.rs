@@ -229,7 +229,8 @@ impl Scene {
         // Lights last: their placement checks need the meshes.
         let mut lights = draft.lights;
         for (index, light) in lights.iter_mut().enumerate() {
-            let loaded = light.load(files, &text.folder, index).and_then(|()| light.check_outside(&objects, index));
+            let loaded = light.load(files, &text.folder, index, &mut report);
+            let loaded = loaded.and_then(|()| light.check_outside(&objects, index));
             loaded.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
         }
         if lights.is_empty() {

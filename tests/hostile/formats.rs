@@ -124,7 +124,7 @@ pub fn gltf() -> Vec<Case> {
     };
     let cases: Vec<(Vec<u8>, &'static str)> = vec![
         (b"glTF".to_vec(), "m.glb: the mesh file is not glTF 2.0 as it should be; found a header that is cut off"),
-        (b"glTF\x01\0\0\0\x0c\0\0\0".to_vec(), "m.glb: the mesh file is not glTF 2.0 as it should be; found "),
+        (b"glTF\x01\0\0\0\x0c\0\0\0".to_vec(), "m.glb: another version of glTF; found 1; expected"),
         (b"glTF\x02\0\0\0\xff\xff\xff\xff".to_vec(), "m.glb: the mesh file is not glTF 2.0 as it should be"),
         (b"glTF\x02\0\0\0\x00\0\0\0".to_vec(), "found a header that is cut off"),
         (

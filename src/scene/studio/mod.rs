@@ -285,7 +285,8 @@ fn value(vector: DVec3) -> Value {
 /// The mean radiance of an image of the surroundings.
 fn mean(image: &str, files: &Files) -> Checked<f64> {
     let mut sky = Sky::of_image(image, [1.0; 3], 0.0);
-    sky.load(files, Path::new(""), "environment")
+    // The scene is read again, and says what there is to say.
+    sky.load(files, Path::new(""), "environment", &mut Vec::new())
         .map_err(|fault| Input { key: Some("--environment".into()), ..fault })?;
     Ok(sky.mean().element_sum() / 3.0)
 }
