@@ -45,6 +45,7 @@ mod watch;
 use std::ffi::OsString;
 use std::path::Path;
 
+use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
 use self::device::{DeviceArgument, check_messages, validation};
@@ -58,7 +59,7 @@ use milkglass::internals::hierarchy::face_cluster::Method;
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::session::run::Session;
 use milkglass::measure::progress::observe;
-use milkglass::scene::Scene;
+use milkglass::scene::{Scene, text_of_path};
 
 #[derive(Parser)]
 #[command(name = "milkglass", version, about = "Renders translucent things in Vulkan compute, proved against the CPU")]
@@ -144,6 +145,7 @@ commands! {
 #[derive(Args, Clone)]
 struct SceneArguments {
     /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ, PLY, STL, glTF).
+    #[arg(value_parser = any_path())]
     scene: String,
     /// Change a value of the scene: `object.0.material.preset=ketchup`, `'light.0.intensity=[9,9,9]'`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -204,6 +206,11 @@ impl SceneArguments {
     }
 }
 
+/// Takes any path as text, also where it is no UTF-8.
+fn any_path() -> impl TypedValueParser<Value = String> {
+    OsStringValueParser::new().map(text_of_path)
+}
+
 /// Returns an error if this is no frame.
 fn finite(frame: f64) -> Result<()> {
     if frame.is_finite() {
@@ -212,13 +219,14 @@ fn finite(frame: f64) -> Result<()> {
     Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into())
 }
 
-/// Says what a named pipe is waited for; reading it may take for ever.
+/// Says what a named pipe is waited for, once; reading it may take for ever.
 fn announce_pipe(path: &Path) {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;
+        static SAID: std::sync::Once = std::sync::Once::new();
         if std::fs::symlink_metadata(path).is_ok_and(|known| known.file_type().is_fifo()) {
-            tell!("{}: a pipe; waiting until its writer closes it", path.display());
+            SAID.call_once(|| tell!("{}: a pipe; waiting until its writer closes it", path.display()));
         }
     }
 }

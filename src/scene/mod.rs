@@ -38,7 +38,7 @@ pub use builtin::BUILTIN;
 pub use camera::{Camera, Tone};
 pub use deform::Deform;
 pub use extent::DENSEST;
-pub use files::{Files, Memory, was_read};
+pub use files::{Files, Memory, path_of_text, text_of_path, was_read};
 pub use layers::{Depth, DepthMap, Integration, Layer, Layers, Phase};
 pub use light::{Light, Sky, Source};
 pub use local::{Cdrf, Kappa};

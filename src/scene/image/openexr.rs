@@ -174,9 +174,12 @@ mod tests {
     use super::*;
     use exr::prelude::{Layer, LayerAttributes};
 
+    /// A part: its name, and its channels.
+    type Part<'a> = (&'a str, &'a [(&'a str, f32)]);
+
     /// A file of parts, each with channels of one pixel by name.
-    fn file(parts: &[(&str, &[(&str, f32)])], envmap: Option<EnvironmentMap>) -> Vec<u8> {
-        let layer = |(name, channels): &(&str, &[(&str, f32)])| {
+    fn file(parts: &[Part<'_>], envmap: Option<EnvironmentMap>) -> Vec<u8> {
+        let layer = |(name, channels): &Part<'_>| {
             let channels = channels.iter().map(|(name, x)| AnyChannel::new(*name, FlatSamples::F32(vec![*x])));
             let attributes = LayerAttributes {
                 layer_name: Text::new_or_none(name).filter(|_| !name.is_empty()),
@@ -201,7 +204,7 @@ mod tests {
 
     #[test]
     fn colours_come_first_then_grey_and_layers_by_name() {
-        let cases: [(&[(&str, &[(&str, f32)])], [f32; 3], &[&str]); 6] = [
+        let cases: [(&[Part<'_>], [f32; 3], &[&str]); 6] = [
             (&[("", &[("Y", 0.5)])], [0.5; 3], &[]),
             (&[("", &[("A", 1.0), ("y", 0.5)])], [0.5; 3], &[]),
             (&[("", &[("beauty.B", 3.0), ("beauty.G", 2.0), ("beauty.R", 1.0), ("Z", 9.0)])], [1.0, 2.0, 3.0], &[]),
