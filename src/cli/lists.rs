@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Example: milkglass scenes lotus > mine.toml")]
 pub struct Scenes {
     /// Print this scene's TOML file, to copy and edit; that of a mesh alone, with its animations.
-    #[arg(value_parser = super::any_path())]
+    #[arg(value_parser = super::paths::any_path())]
     name: Option<String>,
 }
 

@@ -19,6 +19,7 @@ mod lists;
 mod long_work;
 mod memory;
 mod pareto;
+mod paths;
 mod plan;
 mod profile;
 mod progress;
@@ -45,11 +46,11 @@ mod watch;
 use std::ffi::OsString;
 use std::path::Path;
 
-use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
 use self::device::{DeviceArgument, check_messages, validation};
 use self::memory::MemoryArgument;
+use self::paths::{announce_pipe, any_path};
 use self::run_args::OptionArguments;
 pub use self::stop::{leave, remove_when_stopped};
 use self::text::{print, size, table, write};
@@ -59,7 +60,7 @@ use milkglass::internals::hierarchy::face_cluster::Method;
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::session::run::Session;
 use milkglass::measure::progress::observe;
-use milkglass::scene::{Scene, text_of_path};
+use milkglass::scene::Scene;
 
 #[derive(Parser)]
 #[command(name = "milkglass", version, about = "Renders translucent things in Vulkan compute, proved against the CPU")]
@@ -206,29 +207,12 @@ impl SceneArguments {
     }
 }
 
-/// Takes any path as text, also where it is no UTF-8.
-fn any_path() -> impl TypedValueParser<Value = String> {
-    OsStringValueParser::new().map(text_of_path)
-}
-
 /// Returns an error if this is no frame.
 fn finite(frame: f64) -> Result<()> {
     if frame.is_finite() {
         return Ok(());
     }
     Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into())
-}
-
-/// Says what a named pipe is waited for, once; reading it may take for ever.
-fn announce_pipe(path: &Path) {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::FileTypeExt;
-        static SAID: std::sync::Once = std::sync::Once::new();
-        if std::fs::symlink_metadata(path).is_ok_and(|known| known.file_type().is_fifo()) {
-            SAID.call_once(|| tell!("{}: a pipe; waiting until its writer closes it", path.display()));
-        }
-    }
 }
 
 /// Where and how to run.

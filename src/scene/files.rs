@@ -126,13 +126,16 @@ pub fn path_of_text(text: &Path) -> Cow<'_, Path> {
 /// What has to be undone before a file of these bytes can be read, if there is anything.
 #[must_use]
 pub(super) fn packed(bytes: &[u8]) -> Option<&'static str> {
-    let marks: [(&[u8], &str); 6] = [
+    // Two bytes a letter, one of them 0.
+    let wide = |low: usize| bytes.len() >= 8 && (0..8).all(|k| (bytes[k] == 0) == (k % 2 != low));
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || wide(0) || wide(1) {
+        return Some("UTF-16 text, not UTF-8");
+    }
+    let marks: [(&[u8], &str); 4] = [
         (b"\x1f\x8b", "data packed by gzip"),
         (b"PK\x03\x04", "a zip archive"),
         (b"\x28\xb5\x2f\xfd", "data packed by zstd"),
         (b"\xfd7zXZ\0", "data packed by xz"),
-        (b"\xff\xfe", "UTF-16 text, not UTF-8"),
-        (b"\xfe\xff", "UTF-16 text, not UTF-8"),
     ];
     marks.iter().find(|(mark, _)| bytes.starts_with(mark)).map(|(_, words)| *words)
 }

@@ -60,7 +60,10 @@ pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>)
             let fault = Input::new("the mesh file is neither ascii nor binary STL").found(found);
             return Err(fault.expected("`solid`, or a file of 84 bytes and 50 per triangle"));
         }
-        ascii(&text, &mut corners)?;
+        let after = ascii(&text, &mut corners)?;
+        if after > 0 {
+            notes.push(format!("ignored: {after} lines after the last solid"));
+        }
     }
     Ok(Soup { notes, ..corners.soup()? })
 }
@@ -97,12 +100,19 @@ impl Corners {
     }
 }
 
-/// Reads the facets of every solid; normals, names and the words around loops are passed over.
-fn ascii(text: &str, corners: &mut Corners) -> Checked<()> {
-    let mut of_facet = 0;
+/// Reads the facets of every solid; normals, names and the words around loops are passed over. Returns the number of
+/// lines after the solids that are no statements.
+fn ascii(text: &str, corners: &mut Corners) -> Checked<usize> {
+    let (mut of_facet, mut ended, mut after) = (0, false, 0);
     for (line, words) in text.lines().enumerate().map(|(line, text)| (line + 1, text)) {
         let mut words = words.split_ascii_whitespace();
-        match words.next().map(str::to_ascii_lowercase).as_deref() {
+        let first = words.next().map(str::to_ascii_lowercase);
+        ended = match first.as_deref() {
+            Some("endsolid") => true,
+            Some("solid" | "facet" | "vertex") => false,
+            _ => ended,
+        };
+        match first.as_deref() {
             Some("vertex") => {
                 let numbers: Vec<f64> = words.map_while(|word| word.parse().ok()).collect();
                 let [x, y, z] = numbers[..] else {
@@ -118,6 +128,7 @@ fn ascii(text: &str, corners: &mut Corners) -> Checked<()> {
             }
             Some("endfacet") => of_facet = 0,
             Some("solid" | "endsolid" | "facet" | "outer" | "endloop") | None => {}
+            Some(_) if ended => after += 1,
             Some(other) => {
                 let fault = Input::new("not a statement of ascii STL").line(line).found(format!("`{other}`"));
                 return Err(fault.expected("solid, facet, outer loop, vertex, endloop, endfacet, endsolid"));
@@ -125,7 +136,7 @@ fn ascii(text: &str, corners: &mut Corners) -> Checked<()> {
         }
     }
     if of_facet == 0 {
-        return Ok(());
+        return Ok(after);
     }
     Err(Input::new("the file ends within a facet").found(format!("{of_facet} corners")).expected("`endfacet`"))
 }
@@ -192,6 +203,13 @@ mod tests {
             assert_eq!(soup.notes, [format!("ignored: {after} bytes after the last triangle")]);
         }
         assert!(of(&whole).expect("a triangle").notes.is_empty() && of(&whole[..133]).is_err());
+        for after in ["\0", "\x1a\n", "made by hand"] {
+            let soup = of(format!("{TWO}{after}").as_bytes()).expect("two triangles");
+            assert_eq!(
+                (soup.triangles.len(), soup.notes),
+                (2, vec!["ignored: 1 lines after the last solid".to_owned()])
+            );
+        }
     }
 
     #[test]

@@ -32,7 +32,13 @@ fn file_faults_name_the_file() {
         let error = read(&Files::default(), &path, None, None).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains("gone.obj: the mesh has no faces; found no `f`"), "{error}");
     }
-    for (bytes, words) in [(&b"\x1f\x8b\x08\0"[..], "data packed by gzip"), (b"\xff\xfev\0 \0", "UTF-16 text")] {
+    for (bytes, words) in [
+        (&b"\x1f\x8b\x08\0"[..], "data packed by gzip"),
+        (b"PK\x03\x04\x14\0", "a zip archive"),
+        (b"\xff\xfev\0 \0", "UTF-16 text"),
+        (b"v\0 \x000\0 \0", "UTF-16 text"),
+        (b"\0v\0 \x000\0 ", "UTF-16 text"),
+    ] {
         std::fs::write(&path, bytes).expect("written");
         let error = read(&Files::default(), &path, None, None).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains(&format!("gone.obj: the mesh file cannot be read; found {words}")), "{error}");

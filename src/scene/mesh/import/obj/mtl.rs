@@ -2,7 +2,7 @@
 
 use super::{statements, text, text_of};
 use crate::error::Input;
-use crate::scene::files::Files;
+use crate::scene::files::{Files, packed};
 use crate::scene::range::Checked;
 use std::path::{Path, PathBuf};
 
@@ -58,6 +58,9 @@ pub(in crate::scene) fn map_kd(files: &Files, mesh: &Path, report: &mut Vec<Stri
             fault.file(mesh).line(line).found(found)
         };
         let bytes = files.read(&path, COPIES).map_err(|error| fault(error.to_string()))?;
+        if let Some(found) = packed(&bytes) {
+            return Err(fault(found.to_owned()));
+        }
         // Ignore colours, so that errors in them do not matter.
         let matters = |line: &&str| matches!(line.split_whitespace().next(), Some("newmtl" | "map_Kd"));
         let text = text_of(&bytes);
