@@ -181,6 +181,18 @@ mod tests {
     }
 
     #[test]
+    fn pixels_a_little_below_0_are_0_and_counted() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pixel = |x: usize, y: usize| (if (x, y) == (2, 1) { -3e-6 } else { 1.0 }, -1e-7 * x as f32, 1e30f32);
+        exr::prelude::write_rgb_file(folder.path().join("a.exr"), 4, 2, pixel).expect("written");
+        let (mut sky, mut report) = (Sky::of_image("a.exr", [1.0; 3], 0.0), Vec::new());
+        sky.load(&Files::default(), folder.path(), "light.0", &mut report).expect("an image");
+        assert_eq!((sky.pixels[6], sky.pixels[1]), ([0.0, 0.0, 1e30], [1.0, 0.0, 1e30]));
+        assert!(report.len() == 1 && report[0].starts_with("clamped: 6 of 8 pixels of "), "{report:?}");
+        assert!(report[0].ends_with("a.exr, the least -3e-6"), "{report:?}");
+    }
+
+    #[test]
     fn a_bad_pixel_is_named() {
         let folder = tempfile::tempdir().expect("a folder");
         for (value, shown) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
