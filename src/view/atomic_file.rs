@@ -67,8 +67,8 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::R
 /// Most links from one to another, as many as Linux follows.
 const MOST_LINKS: usize = 40;
 
-/// The regular file at a path, or where there will be one: links are followed, also to what is not there yet. None for a
-/// device or a pipe, which is written directly; an error for what may not be written.
+/// The regular file at a path, or where there will be one: links are followed, also to what is not there yet. None for
+/// a device or a pipe, which is written directly; an error for what may not be written.
 fn target(path: &Path) -> std::result::Result<Option<PathBuf>, String> {
     match std::fs::metadata(path) {
         Ok(known) if known.is_dir() => return Err("it is a folder".into()),

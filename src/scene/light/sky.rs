@@ -64,7 +64,8 @@ impl Sky {
         sky
     }
 
-    /// Reads the image file, if there is one; `key` is the light's key, for errors. What it clamps is added to `report`.
+    /// Reads the image file, if there is one; `key` is the light's key, for errors. What is clamped is added to
+    /// `report`.
     pub(in crate::scene) fn load(
         &mut self,
         files: &Files,

@@ -1,6 +1,6 @@
 //! The elements of an ascii file, one a line.
 //!
-//! By hand: the crate ply-rs-bw knows no `.5`, `5.` or `+1`, and reads what nobody asks for, such as normals that are no
+//! By hand: the crate ply-rs-bw knows no `.5` or `5.`, and reads what nobody asks for, such as normals that are no
 //! numbers.
 
 use crate::error::Input;
