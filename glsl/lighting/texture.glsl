@@ -2,12 +2,12 @@
 
 #include "lighting/wrap.glsl"
 
-// A texture by its first texel, size and wrap mode: (0, 0) is its upper left corner, (1, 1) its lower right one.
-vec3 texture_at(uint first, uvec2 size, uint wrap, vec2 place) {
+// A texture by its first texel, size and wrap modes: (0, 0) is its upper left corner, (1, 1) its lower right one.
+vec3 texture_at(uint first, uvec2 size, uvec2 wrap, vec2 place) {
     vec2 at = vec2(size) * place - 0.5, low = floor(at), part = at - low;
     int column = int(low.x), row = int(low.y);
-    uint left = wrapped(wrap, column, size.x), right = wrapped(wrap, column + 1, size.x);
-    uint above = first + wrapped(wrap, row, size.y) * size.x, below = first + wrapped(wrap, row + 1, size.y) * size.x;
+    uint left = wrapped(wrap.x, column, size.x), right = wrapped(wrap.x, column + 1, size.x);
+    uint above = first + wrapped(wrap.y, row, size.y) * size.x, below = first + wrapped(wrap.y, row + 1, size.y) * size.x;
     return mix(mix(texels[above + left], texels[above + right], part.x),
                mix(texels[below + left], texels[below + right], part.x), part.y);
 }

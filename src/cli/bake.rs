@@ -9,7 +9,7 @@ use super::{MemoryArgument, print};
 use milkglass::error::{Input, Result};
 use milkglass::internals::session::bake::bake;
 use milkglass::internals::view::atomic_file::{encode_atomically, ready};
-use milkglass::scene::{Depth, Scene};
+use milkglass::scene::{Depth, Scene, text_of_path};
 
 /// Arguments of `bake-layers`.
 #[derive(Args)]
@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let size = texels(&arguments.size)?;
     let files = arguments.memory.files();
     let scene = |path: &PathBuf, texture: &str| {
-        let path = path.to_string_lossy().replace('\\', "\\\\").replace('"', "\\\"");
+        let path = text_of_path(path.clone().into()).replace('\\', "\\\\").replace('"', "\\\"");
         let text = format!("[[object]]\nmesh = \"{path}\"\nmaterial = {{ preset = 'marble'{texture} }}\n");
         Scene::parse_from("bake-layers", &text, &[], &files)
     };

@@ -26,6 +26,7 @@ pub struct BareArguments {
     ground: bool,
     /// A mesh alone: an image of the surroundings that lights it, `.exr` or `.hdr`.
     #[arg(long, value_name = "FILE")]
+    #[arg(value_parser = super::paths::any_path())]
     environment: Option<String>,
     /// A mesh alone: N frames from all around it, `-o name-%04d.png`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10000))]
@@ -75,6 +76,7 @@ impl BareArguments {
             environment: self.environment.clone(),
         };
         finite(scenes.frame)?;
+        super::paths::announce_pipe(std::path::Path::new(&scenes.scene));
         let studio = Studio::around(&scenes.scene, &scenes.sets(), scenes.frame, &scenes.memory.files(), wishes)?;
         match &studio {
             Some(studio) => studio.told.iter().for_each(|line| tell!("{line}")),

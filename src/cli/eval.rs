@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(Input::new("the output would replace the input").key("-o").found(file.display()).into());
     }
     ready([("-o", Some(&arguments.output))])?;
-    super::announce_pipe(file);
+    super::paths::announce_pipe(file);
     let text = arguments.memory.files().stream(file, COPIES).map_err(|e| Input::new(e.to_string()).file(file))?;
     let mut opened = None;
     let open = || arguments.device.open(validation()).inspect(|device| opened.clone_from(device));

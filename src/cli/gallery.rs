@@ -24,6 +24,7 @@ const SHAPES: [&str; 4] = ["bust", "lotus", "torus", "gecko"];
 #[command(after_help = "Example: milkglass gallery bunny.obj -o gallery --materials marble,skin1")]
 pub struct Arguments {
     /// Meshes; four built-in shapes without.
+    #[arg(value_parser = super::paths::any_path())]
     files: Vec<String>,
     /// The folder of the page and its pictures: new, empty, or one with an earlier gallery.
     #[arg(short, long, value_name = "DIR")]

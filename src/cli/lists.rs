@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Example: milkglass scenes lotus > mine.toml")]
 pub struct Scenes {
     /// Print this scene's TOML file, to copy and edit; that of a mesh alone, with its animations.
+    #[arg(value_parser = super::paths::any_path())]
     name: Option<String>,
 }
 
@@ -46,7 +47,7 @@ pub fn scenes(arguments: &Scenes) -> Result<()> {
             print(text)?;
             Ok(())
         }
-        None if Path::new(name).is_file() => {
+        None if Files::default().exists(Path::new(name)) && !Path::new(name).is_dir() => {
             let (text, animations) = Scene::text(name, &Files::default())?;
             let line = |(name, seconds): &(String, f64)| format!("# --animation {name:?}: {seconds:.3} s\n");
             print(&format!("{}{text}", animations.iter().map(line).collect::<String>()))

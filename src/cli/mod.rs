@@ -19,6 +19,7 @@ mod lists;
 mod long_work;
 mod memory;
 mod pareto;
+mod paths;
 mod plan;
 mod profile;
 mod progress;
@@ -49,6 +50,7 @@ use clap::{Args, Parser, Subcommand};
 
 use self::device::{DeviceArgument, check_messages, validation};
 use self::memory::MemoryArgument;
+use self::paths::{announce_pipe, any_path};
 use self::run_args::OptionArguments;
 pub use self::stop::{leave, remove_when_stopped};
 use self::text::{print, size, table, write};
@@ -144,6 +146,7 @@ commands! {
 #[derive(Args, Clone)]
 struct SceneArguments {
     /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ, PLY, STL, glTF).
+    #[arg(value_parser = any_path())]
     scene: String,
     /// Change a value of the scene: `object.0.material.preset=ketchup`, `'light.0.intensity=[9,9,9]'`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -210,17 +213,6 @@ fn finite(frame: f64) -> Result<()> {
         return Ok(());
     }
     Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into())
-}
-
-/// Says what a named pipe is waited for; reading it may take for ever.
-fn announce_pipe(path: &Path) {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::FileTypeExt;
-        if std::fs::symlink_metadata(path).is_ok_and(|known| known.file_type().is_fifo()) {
-            tell!("{}: a pipe; waiting until its writer closes it", path.display());
-        }
-    }
 }
 
 /// Where and how to run.

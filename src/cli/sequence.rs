@@ -19,6 +19,7 @@ use milkglass::internals::session::aov::layers;
 use milkglass::internals::session::run::Session;
 use milkglass::internals::view::aov::save;
 use milkglass::internals::view::picture::{is_png, save_png};
+use milkglass::scene::{numbered as numbered_text, path_of_text, text_of_path};
 
 /// Most frames in one call.
 const MOST: i64 = 1_000_000;
@@ -151,7 +152,8 @@ pub fn parse(text: &str, output: &Path) -> Result<RangeInclusive<i32>> {
 
 /// The file of a frame; none if its name has no placeholder for the number.
 fn numbered(output: &Path, frame: i32) -> Option<PathBuf> {
-    milkglass::scene::numbered(output.to_str()?, frame.into()).map(PathBuf::from)
+    let name = numbered_text(&text_of_path(output.into()), frame.into())?;
+    Some(path_of_text(Path::new(&name)).into_owned())
 }
 
 #[cfg(test)]

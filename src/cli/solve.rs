@@ -15,7 +15,7 @@ use milkglass::internals::phases::{phase, phases};
 use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use milkglass::internals::session::run::Session;
 use milkglass::internals::state::Scheme;
-use milkglass::internals::view::atomic_file::ready;
+use milkglass::internals::view::atomic_file::{is_device, ready};
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::check;
@@ -53,6 +53,7 @@ fn format(path: &Path) -> Result<Format> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("csv") => Ok(Format::Csv),
         Some("ply") => Ok(Format::Ply),
+        None if is_device(path) => Ok(Format::Csv),
         _ => Err(Input::new("the name says the format")
             .key("-o")
             .found(path.display())

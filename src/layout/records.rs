@@ -52,8 +52,8 @@ records! { frame_records:
         roughness: f32,
         /// Where light is multiplied by the texture: bits `TEXTURE_`.
         texture_side: u32,
-        /// What the texture is beyond its edges: a `WRAP_`.
-        texture_wrap: u32,
+        /// What the texture is beyond its left and right edges, and beyond its lower and upper ones: a `WRAP_` each.
+        texture_wrap: [u32; 2],
         /// Its width and height, in texels.
         texture_size: [u32; 2],
         /// Its first texel.
@@ -138,7 +138,7 @@ records! { frame_records:
         /// Unused.
         padding: [u32; 5],
         /// Unused.
-        last_padding: [u32; 2],
+        last_padding: u32,
         /// Joints that each of its vertices follows; 0 if it follows none.
         skin_joints: u32,
         /// The first element of `skin_joints`.

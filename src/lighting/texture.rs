@@ -17,7 +17,7 @@ pub fn untextured(state: &State, side: u32) -> Option<&'static str> {
     }
 }
 
-/// Which texel of a row of `count` serves as texel `i`; `wrap` as in `object_params.texture_wrap`.
+/// Which texel of a row of `count` serves as texel `i`; `wrap` is one of `object_params.texture_wrap`.
 #[must_use]
 pub fn texel(i: i64, count: u32, wrap: u32) -> u32 {
     let last = i64::from(count) - 1;
@@ -39,14 +39,14 @@ pub fn factor(params: &ObjectParams, texels: &[[f32; 3]], place: DVec2) -> DVec3
     look(texels, params.texture_first, params.texture_size, params.texture_wrap, place)
 }
 
-/// The same for a texture of this first texel, size and wrap mode.
+/// The same for a texture of this first texel, size and wrap modes.
 #[must_use]
-pub fn look(texels: &[[f32; 3]], first: u32, [width, height]: [u32; 2], wrap: u32, place: DVec2) -> DVec3 {
+pub fn look(texels: &[[f32; 3]], first: u32, [width, height]: [u32; 2], wrap: [u32; 2], place: DVec2) -> DVec3 {
     let at = place * DVec2::new(width.into(), height.into()) - 0.5;
     let (left, top) = (at.x.floor(), at.y.floor());
     let row = |row: i64| {
-        let first = first + texel(row, height, wrap) * width;
-        let of = |column: i64| wide(texels[(first + texel(column, width, wrap)) as usize]);
+        let first = first + texel(row, height, wrap[1]) * width;
+        let of = |column: i64| wide(texels[(first + texel(column, width, wrap[0])) as usize]);
         of(left as i64).lerp(of(left as i64 + 1), at.x - left)
     };
     row(top as i64).lerp(row(top as i64 + 1), at.y - top)
@@ -78,7 +78,7 @@ mod tests {
         let params = ObjectParams { texture_size: [2, 2], texture_first: 1, ..ObjectParams::default() };
         let texels = [0.9, 0.0, 0.4, 0.8, 1.0].map(|x| [x; 3]).to_vec();
         let mut data = Buffers { object_params: vec![params], texels, ..Buffers::default() };
-        let mut at = |x: f64, y: f64, wrap: u32| {
+        let mut at = |x: f64, y: f64, wrap: [u32; 2]| {
             data.object_params[0].texture_wrap = wrap;
             factor(&data.object_params[0], &data.texels, DVec2::new(x, y)).x
         };
@@ -97,8 +97,10 @@ mod tests {
             (1.5, -0.25, 2, 0.2),
         ];
         for (x, y, wrap, expected) in cases {
-            let found = at(x, y, wrap);
+            let found = at(x, y, [wrap; 2]);
             assert!((found - expected).abs() < 1e-7, "({x}, {y}), {wrap}: {found}, not {expected}");
         }
+        // A mode for each direction.
+        assert_eq!([[0, 1], [1, 0]].map(|wrap| at(1.25, 1.25, wrap)), [0.8, 0.4].map(|x| f64::from(x as f32)));
     }
 }

@@ -13,16 +13,16 @@ use crate::state::{Local, State};
 pub(crate) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces: &[u32]) {
     let (texture, layers) = (material.texture.as_ref(), material.layers.as_ref().filter(|layers| layers.map.mapped));
     let spread = material.sigma_0_texture.as_ref();
-    let wrap = texture.or(spread).map(|texture| texture.wrap).or(layers.map(|layers| layers.map.wrap));
+    let wrap = texture.or(spread).map(|texture| texture.wrap).or(layers.map(|layers| [layers.map.wrap; 2]));
     // A blur over texture coordinates needs them even without a texture.
-    let wrap = wrap.or((state.method.local == Some(Local::Blur)).then_some(Wrap::Repeat));
+    let wrap = wrap.or((state.method.local == Some(Local::Blur)).then_some([Wrap::Repeat; 2]));
     let (Some(wrap), Some(uvs)) = (wrap, &mesh.uvs) else { return };
     let data = &mut state.data;
-    let period = wrap.period();
+    let period = wrap.map(Wrap::period);
     let places = faces.iter().map(|&face| uvs.get(face as usize).map_or(CornerUvs::default(), |uvs| near(uvs, period)));
     data.corner_uvs = places.collect();
     let frame = &mut data.object_params[0];
-    frame.texture_wrap = wrap.code();
+    frame.texture_wrap = wrap.map(Wrap::code);
     if let Some(spread) = spread {
         (frame.sigma_0_size, frame.sigma_0_first) = (spread.size, data.texels.len() as u32);
         data.texels.extend(spread.texels.iter());
@@ -40,10 +40,10 @@ pub(crate) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces
 }
 
 /// A triangle's texture coordinates from the upper left corner, with whole periods removed.
-fn near(uvs: &[[f64; 2]; 3], period: Option<f64>) -> CornerUvs {
+fn near(uvs: &[[f64; 2]; 3], period: [Option<f64>; 2]) -> CornerUvs {
     let down = uvs.map(|[u, v]| [u, 1.0 - v]);
     let least = |axis: usize| down.iter().map(|place| place[axis]).fold(f64::INFINITY, f64::min);
-    let off = [0, 1].map(|axis| period.map_or(0.0, |period| (least(axis) / period).floor() * period));
+    let off = [0, 1].map(|axis| period[axis].map_or(0.0, |period| (least(axis) / period).floor() * period));
     let [a, b, c] = down.map(|place| [0, 1].map(|axis| (place[axis] - off[axis]) as f32));
     CornerUvs { a, b, c }
 }
@@ -112,13 +112,13 @@ mod tests {
     #[test]
     fn whole_periods_are_taken_off() {
         let uvs = [[10.25, -3.5], [11.5, -3.0], [10.5, -4.25]];
-        let CornerUvs { a, b, c } = near(&uvs, Some(1.0));
+        let CornerUvs { a, b, c } = near(&uvs, [Some(1.0); 2]);
         // From above: 4.5, 4.0 and 5.25; the least is 4.
         assert_eq!([a, b, c], [[0.25, 0.5], [1.5, 0.0], [0.5, 1.25]]);
-        assert_eq!(near(&uvs, Some(2.0)).a, [0.25, 0.5]);
+        assert_eq!(near(&uvs, [Some(2.0); 2]).a, [0.25, 0.5]);
         let odd = uvs.map(|[u, v]| [u - 1.0, v]);
-        assert_eq!(near(&odd, Some(2.0)).a, [1.25, 0.5]);
-        assert_eq!(near(&uvs, None).a, [10.25, 4.5]);
+        assert_eq!(near(&odd, [Some(2.0); 2]).a, [1.25, 0.5]);
+        assert_eq!(near(&uvs, [None; 2]).a, [10.25, 4.5]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::object::{self, ObjectFile};
 use super::play::Play;
 use super::range::Checked;
 use super::surface::ReflectionKind;
-use super::texture::{Side, Wrap};
+use super::texture::{Side, Wraps};
 use super::transport::Transport;
 use super::vector::{Background, Rgb, Vector};
 use serde::Deserialize;
@@ -82,7 +82,7 @@ pub(super) struct MaterialFile {
     pub curvature_radius: Option<f64>,
     pub texture: Option<String>,
     pub texture_on: Option<Side>,
-    pub texture_wrap: Option<Wrap>,
+    pub texture_wrap: Option<Wraps>,
     pub layers: Option<LayersFile>,
 }
 

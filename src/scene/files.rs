@@ -1,7 +1,9 @@
 //! File access and memory limit of a scene: sizes are checked before memory is allocated.
 
+use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -78,6 +80,66 @@ pub fn was_read(path: &Path) -> bool {
     inputs().contains(path)
 }
 
+/// What pipes held, which can be read only once.
+static PIPES: Mutex<BTreeMap<PathBuf, Vec<u8>>> = Mutex::new(BTreeMap::new());
+
+fn pipes() -> MutexGuard<'static, BTreeMap<PathBuf, Vec<u8>>> {
+    PIPES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The first of 256 characters for private use, which stand for bytes of a path that are no UTF-8.
+#[cfg(unix)]
+const BYTE: u32 = 0x0010_f800;
+
+/// A path as text, whatever its bytes are.
+#[must_use]
+pub fn text_of_path(path: OsString) -> String {
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStrExt;
+        let mut text = String::new();
+        for chunk in path.as_bytes().utf8_chunks() {
+            text.push_str(chunk.valid());
+            text.extend(chunk.invalid().iter().filter_map(|byte| char::from_u32(BYTE + u32::from(*byte))));
+        }
+        text
+    }
+    #[cfg(not(unix))]
+    path.to_string_lossy().into_owned()
+}
+
+/// The path that such a text stands for.
+#[must_use]
+pub fn path_of_text(text: &Path) -> Cow<'_, Path> {
+    #[cfg(unix)]
+    if let Some(text) = text.to_str().filter(|text| text.chars().any(|letter| letter as u32 & !0xff == BYTE)) {
+        use std::os::unix::ffi::OsStringExt;
+        let bytes = text.chars().flat_map(|letter| match letter as u32 {
+            byte if byte & !0xff == BYTE => vec![byte as u8],
+            _ => letter.to_string().into_bytes(),
+        });
+        return Cow::Owned(OsString::from_vec(bytes.collect()).into());
+    }
+    Cow::Borrowed(text)
+}
+
+/// What has to be undone before a file of these bytes can be read, if there is anything.
+#[must_use]
+pub(super) fn packed(bytes: &[u8]) -> Option<&'static str> {
+    // Two bytes a letter, one of them 0.
+    let wide = |low: usize| bytes.len() >= 8 && (0..8).all(|k| (bytes[k] == 0) == (k % 2 != low));
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || wide(0) || wide(1) {
+        return Some("UTF-16 text, not UTF-8");
+    }
+    let marks: [(&[u8], &str); 4] = [
+        (b"\x1f\x8b", "data packed by gzip"),
+        (b"PK\x03\x04", "a zip archive"),
+        (b"\x28\xb5\x2f\xfd", "data packed by zstd"),
+        (b"\xfd7zXZ\0", "data packed by xz"),
+    ];
+    marks.iter().find(|(mark, _)| bytes.starts_with(mark)).map(|(_, words)| *words)
+}
+
 impl Files {
     /// Files on disk, and the scene's memory limit in bytes.
     #[must_use]
@@ -110,32 +172,39 @@ impl Files {
 
     /// Whether there is something at this path.
     pub fn exists(&self, path: &Path) -> bool {
-        self.held.as_ref().map_or_else(|| path.exists(), |held| held.contains_key(path))
+        self.held.as_ref().map_or_else(|| path_of_text(path).exists(), |held| held.contains_key(path))
     }
 
-    /// Reads a plain file; `copies` times its size must fit the memory.
+    /// Reads a plain file, or a pipe once more; `copies` times its size must fit the memory.
     pub fn read(&self, path: &Path, copies: u64) -> Result<Vec<u8>> {
         // Anything but a plain file may block or never end.
-        if self.held.is_none() && !std::fs::metadata(path)?.is_file() {
+        let real = path_of_text(path);
+        if self.held.is_none() && !std::fs::metadata(&real)?.is_file() && !pipes().contains_key(&*real) {
             return Err(Error::new(ErrorKind::Unsupported, "not a plain file"));
         }
         self.stream(path, copies)
     }
 
-    /// The same for anything that ends, such as a pipe; terminals and other devices are refused.
+    /// The same for anything that ends, such as a pipe, which is kept; terminals and other devices are refused.
     pub fn stream(&self, path: &Path, copies: u64) -> Result<Vec<u8>> {
         if let Some(held) = &self.held {
             let bytes = held.get(path).ok_or_else(|| Error::new(ErrorKind::NotFound, "no such file"))?;
             self.need(copies.saturating_mul(bytes.len() as u64))?;
             return Ok(bytes.clone());
         }
+        let path = &path_of_text(path);
+        let known = std::fs::metadata(path)?;
         #[cfg(unix)]
         {
             use std::os::unix::fs::FileTypeExt;
-            let kind = std::fs::metadata(path)?.file_type();
+            let kind = known.file_type();
             if kind.is_char_device() || kind.is_block_device() {
                 return Err(Error::new(ErrorKind::Unsupported, "a device, which may never end"));
             }
+        }
+        if let Some(bytes) = pipes().get(&**path).filter(|_| !known.is_file()) {
+            self.need(copies.saturating_mul(bytes.len() as u64))?;
+            return Ok(bytes.clone());
         }
         let file = std::fs::File::open(path)?;
         if let Ok(place) = path.canonicalize() {
@@ -147,6 +216,9 @@ impl Files {
         let mut bytes = Vec::with_capacity(length as usize);
         file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
         self.need(copies.saturating_mul(bytes.len() as u64))?;
+        if !known.is_file() {
+            pipes().insert(path.to_path_buf(), bytes.clone());
+        }
         Ok(bytes)
     }
 }
@@ -166,6 +238,23 @@ mod tests {
         assert_eq!(error(files.read(Path::new("b"), 2)), "no such file");
         assert!(files.need(1024).is_ok() && files.need(1025).is_err() && files.need(u64::MAX).is_err());
         assert_eq!(files.memory(), Memory { limit: 4096, taken: 3072 });
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn paths_need_not_be_utf_8() {
+        use std::os::unix::ffi::OsStringExt;
+        for bytes in [&b"a.obj"[..], "caf\u{e9}/\u{10ffff}.obj".as_bytes(), b"caf\xe9/\xff\x80.obj"] {
+            let path = OsString::from_vec(bytes.to_vec());
+            assert_eq!(*path_of_text(Path::new(&text_of_path(path.clone()))), *Path::new(&path));
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(OsString::from_vec(b"\xe9".to_vec()));
+        std::fs::write(&path, "text").expect("written");
+        let text = text_of_path(path.into_os_string());
+        let files = Files::on_disk(1 << 16);
+        assert!(files.exists(Path::new(&text)));
+        assert_eq!(files.read(Path::new(&text), 1).expect("a file"), b"text");
     }
 
     #[test]

@@ -5,16 +5,15 @@
 //! length, and the scene's memory limit.
 
 mod chunks;
+mod openexr;
+
+pub(super) use openexr::read_exr;
 
 use super::files::Files;
-use exr::image::read::read;
-use exr::meta::BlockDescription;
-use exr::prelude::{Image as Decoded, *};
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use std::io::Cursor;
+use std::io::{Cursor, Read};
 use std::path::Path;
-use std::result::Result;
 
 /// Size and pixels of an image file, rows from the top, or an error message.
 pub(super) type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
@@ -28,6 +27,9 @@ const MOST_PACKED: u64 = 1 << 17;
 
 /// Maximum memory that a PNG's colour profile may take, bytes.
 const MOST_BESIDE: u64 = 64 << 20;
+
+/// Bytes at the start of a Radiance file in which its format is looked for.
+const LONGEST_HEAD: usize = 4096;
 
 /// Checks the size of an image and takes memory for it: per pixel, `stored` bytes uncompressed in the file, `kept`
 /// after reading, and `held` in addition while reading.
@@ -50,51 +52,46 @@ fn fits(
     files.take(pixels * kept).map_err(|error| error.to_string())
 }
 
-/// Reads the bytes of an OpenEXR file and checks the size of every layer by its header.
-fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8>, String> {
-    let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
-    let mut cursor = Cursor::new(&bytes);
-    let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|error| error.to_string())?;
-    let headers = cursor.position() as usize;
-    // The exr reader checks the parts' own headers only, and would read the samples of a deep pixel as pixels.
-    if meta.requirements.has_deep_data {
-        return Err("deep data, which is not supported".into());
+/// Clamps the first `used` channels of every pixel to 0 to `most`; a line in `notes` says how many were beyond, and how
+/// far. Fails with the number of a pixel that is no finite number.
+pub(super) fn clamp<const N: usize>(
+    pixels: &mut [[f32; N]],
+    used: usize,
+    most: f32,
+    path: &Path,
+    notes: &mut Vec<String>,
+) -> Result<(), usize> {
+    if let Some(place) = pixels.iter().position(|pixel| pixel[..used].iter().any(|x| !x.is_finite())) {
+        return Err(place);
     }
-    for header in &meta.headers {
-        let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
-        let stored = header.channels.bytes_per_pixel as u64;
-        fits(files, size, most, [stored, kept, 2 * stored], bytes.len())?;
-        // A tile may be larger than the picture; the reader allocates as much of it as the file claims to hold.
-        if let BlockDescription::Tiles(tiles) = header.blocks {
-            let [width, height] = [tiles.tile_size.width() as u64, tiles.tile_size.height() as u64];
-            let pixels = width.saturating_mul(height);
-            if pixels > most as u64 {
-                return Err(format!("tiles of {width} x {height} pixels, more than {most}"));
-            }
-            files.need(pixels.saturating_mul(2 * stored)).map_err(|error| error.to_string())?;
+    let (mut count, mut least, mut greatest) = (0, 0f32, most);
+    for pixel in pixels.iter_mut().map(|pixel| &mut pixel[..used]) {
+        count += usize::from(!pixel.iter().all(|x| (0.0..=most).contains(x)));
+        for x in pixel {
+            (least, greatest) = (least.min(*x), greatest.max(*x));
+            *x = x.clamp(0.0, most);
         }
     }
-    chunks::check(files, &bytes, headers, &meta)?;
-    Ok(bytes)
+    if count > 0 {
+        let low = if least < 0.0 { format!(", the least {least:?}") } else { String::new() };
+        let high = if greatest > most { format!(", the greatest {greatest:?}") } else { String::new() };
+        notes.push(format!("clamped: {count} of {} pixels of {}{low}{high}", pixels.len(), path.display()));
+    }
+    Ok(())
 }
 
-pub(super) fn read_exr(files: &Files, path: &Path, most: usize) -> Image {
-    let bytes = open_exr(files, path, most, 12)?;
-    let reader = read().no_deep_data().largest_resolution_level().rgba_channels(
-        |size, _| (size.width(), vec![[0f32; 3]; size.area()]),
-        |(width, pixels), at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * *width + at.x()] = [r, g, b],
-    );
-    let reader = reader.first_valid_layer().all_attributes().non_parallel();
-    let image = reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
-    let (width, pixels) = image.layer_data.channel_data.pixels;
-    let height = pixels.len() / width.max(1);
-    Ok(([width as u32, height as u32], pixels))
-}
-
-/// Reads a Radiance file; pixels are divided by its `EXPOSURE` and `COLORCORR`.
+/// Reads a Radiance file; pixels are divided by its `EXPOSURE` and `COLORCORR`. Its first line, `#?` and a name that
+/// depends on who wrote it, may be missing.
 pub(super) fn read_hdr(files: &Files, path: &Path, most: usize) -> Image {
-    let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
-    let decoder = HdrDecoder::new(Cursor::new(&bytes)).map_err(|error| error.to_string())?;
+    let bytes = bytes(files, path)?;
+    let marked = bytes.starts_with(b"#?");
+    let first =
+        if marked { bytes.iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |end| end + 1) } else { 0 };
+    let rest = &bytes[first..];
+    if !marked && !rest[..rest.len().min(LONGEST_HEAD)].windows(7).any(|word| word == b"FORMAT=") {
+        return Err("neither `#?` nor a line FORMAT= at its start".into());
+    }
+    let decoder = HdrDecoder::new((&b"#?RADIANCE\n"[..]).chain(rest)).map_err(|error| error.to_string())?;
     let meta = decoder.metadata();
     let factor = [0, 1, 2]
         .map(|c| meta.exposure.unwrap_or(1.0) * meta.color_correction.map_or(1.0, |rgb| [rgb.0, rgb.1, rgb.2][c]));
@@ -126,30 +123,9 @@ pub(super) fn read_depths(files: &Files, path: &Path, most: usize) -> Option<Dep
                 (size, image.pixels().map(|pixel| share(pixel.0)).collect(), channels)
             }))
         }
-        "exr" => Some(exr_depths(files, path, most)),
+        "exr" => Some(openexr::depths(files, path, most)),
         _ => None,
     }
-}
-
-fn exr_depths(files: &Files, path: &Path, most: usize) -> Depths {
-    let bytes = open_exr(files, path, most, 16)?;
-    let reader = read().no_deep_data().largest_resolution_level().all_channels();
-    let reader = reader.first_valid_layer().all_attributes().non_parallel();
-    let image: Decoded<Layer<AnyChannels<FlatSamples>>> =
-        reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
-    let layer = image.layer_data;
-    let list = &layer.channel_data.list;
-    let named = |name: &&str| list.iter().find(|channel| channel.name.eq_case_insensitive(name));
-    let mut channels: Vec<_> = ["R", "G", "B", "A"].iter().map_while(named).collect();
-    if channels.is_empty() {
-        channels = list.iter().take(1).collect();
-    }
-    let mut pixels = vec![[0f32; 4]; layer.size.area()];
-    for (c, channel) in channels.iter().enumerate() {
-        let values = channel.sample_data.values_as_f32();
-        pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel[c] = value);
-    }
-    Ok(([layer.size.width() as u32, layer.size.height() as u32], pixels, channels.len()))
 }
 
 fn bytes(files: &Files, path: &Path) -> Result<Vec<u8>, String> {
@@ -222,5 +198,32 @@ mod tests {
         assert_eq!(pixel("bright"), Ok([0.25, 0.125, 0.0625]));
         assert_eq!(pixel("tinted"), Ok([2.0, 0.5, 0.125]));
         assert!(pixel("zero").is_err_and(|words| words.contains("exposure")));
+    }
+
+    #[test]
+    fn a_radiance_file_begins_with_any_name_or_none() {
+        for first in ["#?RGBE\n", "#?AUTOPANO pro\n", "#?\n", "", "# made by hand\n"] {
+            let head = format!("{first}FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n");
+            let files = Files::held([("a".into(), [head.as_bytes(), &[128, 64, 32, 129]].concat())], 1 << 20);
+            let read = read_hdr(&files, Path::new("a"), 1).map(|(_, pixels)| pixels[0]);
+            assert_eq!(read, Ok([1.0, 0.5, 0.25]), "{first:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_clamped_and_counted() {
+        let clamped = |values: &[[f32; 2]], most: f32| {
+            let (mut values, mut notes) = (values.to_vec(), Vec::new());
+            clamp(&mut values, 1, most, Path::new("a.exr"), &mut notes).map(|()| (values, notes))
+        };
+        let all = [[-3e-6, -9.0], [0.5, 0.0], [1.0005, 0.0]];
+        let line = "clamped: 2 of 3 pixels of a.exr, the least -3e-6, the greatest 1.0005";
+        assert_eq!(clamped(&all, 1.0), Ok((vec![[0.0, -9.0], [0.5, 0.0], [1.0, 0.0]], vec![line.into()])));
+        let line = "clamped: 1 of 3 pixels of a.exr, the least -3e-6";
+        assert_eq!(clamped(&all, f32::MAX), Ok((vec![[0.0, -9.0], [0.5, 0.0], [1.0005, 0.0]], vec![line.into()])));
+        assert_eq!(clamped(&all[1..2], 1.0), Ok((all[1..2].to_vec(), Vec::new())));
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            assert_eq!(clamped(&[[0.0; 2], [bad, 0.0]], 1.0), Err(1));
+        }
     }
 }

@@ -244,7 +244,7 @@ impl Material {
     /// alike.
     fn check_wraps(&self, key: impl Fn(&str) -> String) -> Checked<()> {
         match (&self.layers, self.texture.as_ref().or(self.sigma_0_texture.as_ref())) {
-            (Some(layers), Some(texture)) if layers.map.mapped && layers.map.wrap != texture.wrap => {
+            (Some(layers), Some(texture)) if layers.map.mapped && texture.wrap != [layers.map.wrap; 2] => {
                 let fault = Input::new("texture and maps go on beyond their edges in different ways");
                 Err(fault.key(key("layers.wrap")).expected("the same as texture_wrap"))
             }

@@ -38,7 +38,7 @@ pub use builtin::BUILTIN;
 pub use camera::{Camera, Tone};
 pub use deform::Deform;
 pub use extent::DENSEST;
-pub use files::{Files, Memory, was_read};
+pub use files::{Files, Memory, path_of_text, text_of_path, was_read};
 pub use layers::{Depth, DepthMap, Integration, Layer, Layers, Phase};
 pub use light::{Light, Sky, Source};
 pub use local::{Cdrf, Kappa};
@@ -229,7 +229,8 @@ impl Scene {
         // Lights last: their placement checks need the meshes.
         let mut lights = draft.lights;
         for (index, light) in lights.iter_mut().enumerate() {
-            let loaded = light.load(files, &text.folder, index).and_then(|()| light.check_outside(&objects, index));
+            let loaded = light.load(files, &text.folder, index, &mut report);
+            let loaded = loaded.and_then(|()| light.check_outside(&objects, index));
             loaded.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
         }
         if lights.is_empty() {

@@ -228,13 +228,13 @@ impl Draft {
         let spread = format!("object.{index}.material.sigma_0_texture");
         let textured = textured.or(self.material.sigma_0_texture.as_ref().map(|_| spread.as_str()));
         if let Some(map) = &mut self.material.sigma_0_texture {
-            map.load(files, folder, &self.source, &spread)?;
+            map.load(files, folder, &self.source, &spread, report)?;
         }
         let unwrapped = transport.unwrap && self.material.opaque.is_none();
         let textured = textured.or(unwrapped.then_some("transport.unwrap"));
         let own = self.material.texture.as_ref().is_some_and(Texture::is_own);
         if let Some(texture) = &mut self.material.texture {
-            texture.load(files, folder, &self.source, &key)?;
+            texture.load(files, folder, &self.source, &key, report)?;
         }
         if let Some(layers) = &mut self.material.layers {
             layers.load(files, folder, &layered, report)?;

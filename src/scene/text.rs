@@ -2,7 +2,7 @@
 
 use super::around_mesh;
 use super::builtin::BUILTIN;
-use super::files::Files;
+use super::files::{Files, packed};
 use super::locate;
 use super::mesh::{FORMATS, Format, scene_of};
 use super::range::Checked;
@@ -58,6 +58,9 @@ impl Text {
         };
         let kinds = &format!("a scene in TOML, or a mesh in {FORMATS}");
         let bytes = files.stream(path, 1).map_err(|error| fault(error.to_string(), kinds))?;
+        if let Some(found) = packed(&bytes) {
+            return Err(fault(found.to_owned(), kinds));
+        }
         if Format::of(path, &bytes).is_some() {
             let around = toml::from_str(&around_mesh(name_or_path)).unwrap_or_default();
             let (table, report) = scene_of(files, path, &bytes, around)?;

@@ -2,16 +2,20 @@
 
 use super::file::MaterialFile;
 use super::files::Files;
-use super::image::{MOST_TEXELS, read_exr, read_hdr, read_packed};
+use super::image::{MOST_TEXELS, clamp, read_exr, read_hdr, read_packed};
 use super::locate;
 use super::mesh::{Texels, map_kd, own_texture};
 use super::object::Source;
 use super::range::Checked;
 use crate::error::Input;
-use crate::layout::{WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT};
 use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
+
+mod wrap;
+
+pub use wrap::Wrap;
+pub(super) use wrap::Wraps;
 
 /// Maximum texels along a side.
 pub(super) const MOST_SIDE: u32 = 1 << 14;
@@ -32,8 +36,8 @@ pub struct Texture {
     pub texels: Arc<Vec<[f32; 3]>>,
     /// Where the factors apply.
     pub side: Side,
-    /// How the texture continues beyond its edges.
-    pub wrap: Wrap,
+    /// How the texture continues beyond its left and right edges, and beyond its lower and upper ones.
+    pub wrap: [Wrap; 2],
     /// The file that the texels are still to be read from, if any.
     image: Option<String>,
 }
@@ -51,45 +55,10 @@ pub enum Side {
     Both,
 }
 
-/// How a texture continues beyond its edges.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Wrap {
-    /// It repeats.
-    #[default]
-    Repeat,
-    /// The outermost texels continue.
-    Clamp,
-    /// It repeats, every other copy mirrored.
-    Mirror,
-}
-
-impl Wrap {
-    /// The constant that shaders use.
-    #[must_use]
-    pub fn code(self) -> u32 {
-        match self {
-            Self::Repeat => WRAP_REPEAT,
-            Self::Clamp => WRAP_CLAMP,
-            Self::Mirror => WRAP_MIRROR,
-        }
-    }
-
-    /// The period, in sides of the texture; none for clamp.
-    #[must_use]
-    pub fn period(self) -> Option<f64> {
-        match self {
-            Self::Repeat => Some(1.0),
-            Self::Clamp => None,
-            Self::Mirror => Some(2.0),
-        }
-    }
-}
-
 impl Texture {
-    /// A texture of these texels, row by row from the top.
+    /// A texture of these texels, row by row from the top, that continues in the same way beyond all edges.
     pub fn new(size: [u32; 2], texels: Vec<[f32; 3]>, side: Side, wrap: Wrap) -> Self {
-        Self { size, texels: Arc::new(texels), side, wrap, image: None }
+        Self { size, texels: Arc::new(texels), side, wrap: [wrap; 2], image: None }
     }
 
     /// Checks a material's texture keys, whose full names `key` gives; a file is read later.
@@ -103,28 +72,29 @@ impl Texture {
                 Err(fault.expected("a `texture` beside it"))
             });
         };
-        let (side, wrap) = (file.texture_on.unwrap_or_default(), file.texture_wrap.unwrap_or_default());
+        let (side, wrap) = (file.texture_on.unwrap_or_default(), file.texture_wrap.unwrap_or_default().0);
         Self::named(image, side, wrap, key("texture")).map(Some)
     }
 
     /// The same for the texture of sigma_0.
     pub(super) fn sigma_0(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Option<Self>> {
-        let wrap = file.texture_wrap.unwrap_or_default();
+        let wrap = file.texture_wrap.unwrap_or_default().0;
         let of = |image: &String| Self::named(image, Side::default(), wrap, key("sigma_0_texture"));
         file.sigma_0_texture.as_ref().map(of).transpose()
     }
 
-    fn named(image: &str, side: Side, wrap: Wrap, key: String) -> Checked<Self> {
+    fn named(image: &str, side: Side, wrap: [Wrap; 2], key: String) -> Checked<Self> {
         let built_in = BUILTIN.iter().find(|(name, _)| *name == image);
         if image.starts_with("builtin:") && built_in.is_none() {
             let names = BUILTIN.map(|(name, _)| name);
             let what = locate::with_suggestion("no texture of this name is built in", image, &names);
             return Err(Input::new(what).key(key).found(image).expected(names.join(", ")));
         }
-        Ok(match built_in {
-            Some((_, colors)) => Self::new([64, 64], squares(*colors), side, wrap),
-            None => Self { image: Some(image.to_owned()), ..Self::new([0, 0], Vec::new(), side, wrap) },
-        })
+        let made = match built_in {
+            Some((_, colors)) => Self::new([64, 64], squares(*colors), side, wrap[0]),
+            None => Self { image: Some(image.to_owned()), ..Self::new([0, 0], Vec::new(), side, wrap[0]) },
+        };
+        Ok(Self { wrap, ..made })
     }
 
     /// Whether it is the texture that the mesh file brings along, not read yet.
@@ -133,23 +103,30 @@ impl Texture {
     }
 
     /// Reads the texels of a texture that is not built in: from its file, relative to `folder`, from the one that the
-    /// mesh's material library names, or from the mesh file itself.
-    pub(super) fn load(&mut self, files: &Files, folder: &Path, mesh: &Source, key: &str) -> Checked<()> {
+    /// mesh's material library names, or from the mesh file itself. What is left out or clamped is added to `report`.
+    pub(super) fn load(
+        &mut self,
+        files: &Files,
+        folder: &Path,
+        mesh: &Source,
+        key: &str,
+        report: &mut Vec<String>,
+    ) -> Checked<()> {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = match mesh {
             Source::File(mesh, part) if image == OWN => {
                 let texels = own_texture(files, &folder.join(mesh), *part).map_err(|fault| at_key(fault, key))?;
-                return self.set(checked(texels, key, &folder.join(mesh))?);
+                return self.set(checked(texels, key, &folder.join(mesh), report)?);
             }
             _ if image != LIBRARY && image != OWN => folder.join(&image),
-            Source::File(mesh, _) => map_kd(files, &folder.join(mesh)).map_err(|fault| at_key(fault, key))?,
+            Source::File(mesh, _) => map_kd(files, &folder.join(mesh), report).map_err(|fault| at_key(fault, key))?,
             Source::Shape(..) => {
                 let what = "a shape has neither a material library nor a texture of its own";
                 let fault = Input::new(what).key(key).found(format!("`{image}`"));
                 return Err(fault.expected("an image file, or the name of one that is built in"));
             }
         };
-        self.set(read(files, &path, key)?)
+        self.set(read(files, &path, key, report)?)
     }
 
     fn set(&mut self, (size, texels): Texels) -> Checked<()> {
@@ -171,12 +148,12 @@ fn squares(colors: [[f32; 3]; 2]) -> Vec<[f32; 3]> {
 }
 
 /// Reads the size and texels of a file; `key` is the texture's key, for errors.
-fn read(files: &Files, path: &Path, key: &str) -> Checked<Texels> {
+fn read(files: &Files, path: &Path, key: &str, report: &mut Vec<String>) -> Checked<Texels> {
     let at = |what: String| Input::new(what).key(key);
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
     let image = match end.as_str() {
         "png" | "jpg" | "jpeg" => read_packed(files, path),
-        "exr" => read_exr(files, path, MOST_TEXELS),
+        "exr" => read_exr(files, path, MOST_TEXELS, report),
         "hdr" => read_hdr(files, path, MOST_TEXELS),
         _ => {
             let fault = at("not the name of a texture".into()).found(path.display());
@@ -187,19 +164,18 @@ fn read(files: &Files, path: &Path, key: &str) -> Checked<Texels> {
         }
     };
     let read = image.map_err(|error| at(format!("{}: the texture cannot be read", path.display())).found(error))?;
-    checked(read, key, path)
+    checked(read, key, path, report)
 }
 
 /// Checks size and texels of the texture in a file.
-fn checked((size, texels): Texels, key: &str, path: &Path) -> Checked<Texels> {
+fn checked((size, mut texels): Texels, key: &str, path: &Path, report: &mut Vec<String>) -> Checked<Texels> {
     let at = |what: String| Input::new(what).key(key);
     if texels.is_empty() || texels.len() > MOST_TEXELS || size.iter().any(|&side| side > MOST_SIDE) {
         let fault = at(format!("{}: the texture has too few or too many texels", path.display()));
         let found = format!("{} x {}", size[0], size[1]);
         return Err(fault.found(found).expected(format!("1 to {MOST_TEXELS} texels, at most {MOST_SIDE} a side")));
     }
-    let bad = |texel: &[f32; 3]| texel.iter().any(|x| !(0.0..=1.0).contains(x));
-    if let Some(place) = texels.iter().position(bad) {
+    if let Err(place) = clamp(&mut texels, 3, 1.0, path, report) {
         let (x, y, [r, g, b]) = (place % size[0] as usize, place / size[0] as usize, texels[place]);
         let fault = at(format!("{}: texel ({x}, {y}), from the top left, is no albedo", path.display()));
         return Err(fault.found(format!("[{r}, {g}, {b}]")).expected("numbers from 0 to 1"));
@@ -220,7 +196,7 @@ mod tests {
         let pixel = |x: u32, y: u32| image::Luma([(13_107 * (x + 2 * y)) as u16]);
         image::ImageBuffer::from_fn(2, 2, pixel).save(path("b.png")).expect("written");
         exr::prelude::write_rgb_file(path("c.exr"), 2, 2, |x, y| (x as f32, 0.5 * y as f32, 0.25)).expect("written");
-        let of = |name: &str| read(&Files::default(), &path(name), "texture").expect(name);
+        let of = |name: &str| read(&Files::default(), &path(name), "texture", &mut Vec::new()).expect(name);
         // Linear values of sRGB 0.2, 0.4, 0.6 and 128 / 255 by the standard's formula.
         let light = [0.0, 0.033_104_8, 0.132_868_3, 0.318_546_8];
         for (name, others) in [("a.png", Some([0.215_860_5, 1.0])), ("b.png", None)] {
@@ -246,7 +222,7 @@ mod tests {
         let window = bytes[at..at + 16].to_vec();
         bytes[at..at + 16].copy_from_slice(&[&window[8..], &window[..8]].concat());
         std::fs::write(path("b.exr"), bytes).expect("written");
-        let of = |name: &str| read(&Files::default(), &path(name), "texture").expect(name);
+        let of = |name: &str| read(&Files::default(), &path(name), "texture", &mut Vec::new()).expect(name);
         assert_eq!(of("a.exr"), of("b.exr"));
     }
 

@@ -56,18 +56,40 @@ pub fn abandon(last: impl FnOnce()) {
 /// or a pipe rather than a regular file, it is written directly.
 pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::Result<(), String>) -> Result<()> {
     let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path).into();
-    match std::fs::metadata(path) {
-        Ok(known) if known.is_dir() => return Err(fault("it is a folder".into())),
-        Ok(known) if !known.is_file() => return write(path).map_err(fault),
-        _ => {}
-    }
-    // Follow a link to its target.
-    let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let Some(path) = &target(path).map_err(fault)? else { return write(path).map_err(fault) };
     if was_read(path) {
         return Err(fault("it was read to make this; give the output another name".into()));
     }
     let part = beside(path);
     write(part.path()).and_then(|()| std::fs::rename(part.path(), path).map_err(|e| e.to_string())).map_err(fault)
+}
+
+/// Most links from one to another, as many as Linux follows.
+const MOST_LINKS: usize = 40;
+
+/// The regular file at a path, or where there will be one: links are followed, also to what is not there yet. None for
+/// a device or a pipe, which is written directly; an error for what may not be written.
+fn target(path: &Path) -> std::result::Result<Option<PathBuf>, String> {
+    match std::fs::metadata(path) {
+        Ok(known) if known.is_dir() => return Err("it is a folder".into()),
+        Ok(known) if !known.is_file() => return Ok(None),
+        // It could be replaced all the same.
+        Ok(known) if known.permissions().readonly() => return Err("it is write-protected".into()),
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.to_string()),
+        _ => {}
+    }
+    let mut place = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = std::fs::read_link(&place) else { break };
+        place = place.parent().unwrap_or(Path::new("")).join(next);
+    }
+    Ok(Some(place.canonicalize().unwrap_or(place)))
+}
+
+/// Whether a path is that of a device or a pipe, whose name says no format.
+#[must_use]
+pub fn is_device(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|known| !known.is_file() && !known.is_dir())
 }
 
 /// A part beside a path. Its name is short, because that of the path may be as long as names can be; it contains a
@@ -87,18 +109,13 @@ pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>
     let mut before: Vec<(&str, PathBuf)> = Vec::new();
     for (key, path) in paths.into_iter().filter_map(|(key, path)| Some((key, path?))) {
         let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path);
-        match std::fs::metadata(path) {
-            Ok(known) if known.is_dir() => return Err(fault("it is a folder".into()).into()),
-            Ok(known) if !known.is_file() => continue,
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(fault(error.to_string()).into()),
-            _ => {}
-        }
-        let part = beside(path);
+        let Some(place) = target(path).map_err(fault)? else { continue };
+        let part = beside(&place);
         std::fs::write(part.path(), "").map_err(|error| fault(error.to_string()))?;
         // The folder exists; an empty name is the current one.
         let folder = part.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_default();
-        let place = path.canonicalize().unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
+        let place = place.canonicalize().unwrap_or_else(|_| folder.join(place.file_name().unwrap_or_default()));
         if let Some((other, _)) = before.iter().find(|(_, known)| *known == place) {
             return Err(Input::new(format!("the same file as {other}")).key(key).found(path.display()).into());
         }
@@ -139,6 +156,45 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         let folded = write_atomically(folder.path(), |_| Ok(())).unwrap_err();
         assert!(folded.to_string().contains("it is a folder"), "{folded}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_and_what_they_lead_to_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("far")).unwrap();
+        let link = |to: &str, from: &str| std::os::unix::fs::symlink(to, at(from)).unwrap();
+        link("far/a.png", "a.png");
+        link("a.png", "b.png");
+        link("c.png", "c.png");
+        let write = |name: &str| {
+            let path = at(name);
+            ready([("-o", Some(&path))])?;
+            write_atomically(&path, |beside| {
+                let near = beside.parent().is_some_and(|parent| parent.ends_with("far"));
+                assert_eq!(near, name != "d.png", "the part is beside the file");
+                std::fs::write(beside, name).map_err(|e| e.to_string())
+            })
+        };
+        // First nothing is there, then it is replaced.
+        for name in ["b.png", "a.png"] {
+            write(name).unwrap();
+            assert!(at(name).is_symlink() && !at("far/a.png").is_symlink());
+            assert_eq!(std::fs::read_to_string(at("far/a.png")).unwrap(), name);
+        }
+        assert!(write("c.png").unwrap_err().to_string().contains("c.png: could not be written"));
+        assert!(at("c.png").is_symlink());
+        let (left, right) = (at("a.png"), at("b.png"));
+        let twice = ready([("--csv", Some(&left)), ("-o", Some(&right))]).unwrap_err();
+        assert!(twice.to_string().starts_with("-o: the same file as --csv"), "{twice}");
+
+        std::fs::write(at("d.png"), "old").unwrap();
+        let mut mode = at("d.png").metadata().unwrap().permissions();
+        mode.set_readonly(true);
+        std::fs::set_permissions(at("d.png"), mode).unwrap();
+        assert!(write("d.png").unwrap_err().to_string().contains("d.png: could not be written: it is write-protected"));
+        assert_eq!(std::fs::read_to_string(at("d.png")).unwrap(), "old");
     }
 
     #[test]

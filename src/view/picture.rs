@@ -4,8 +4,8 @@ use std::path::Path;
 
 use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
 
-use super::atomic_file::encode_atomically;
 pub use super::atomic_file::write_atomically;
+use super::atomic_file::{encode_atomically, is_device};
 use crate::error::{Input, Result};
 use crate::scene::Tone;
 
@@ -77,8 +77,8 @@ impl Picture {
         self.pixels.iter().flat_map(|pixel| pixel.iter().map(shown)).collect()
     }
 
-    /// Writes a `.png` (sRGB, 8 bits per channel) or a linear `.exr`; the extension decides. The file appears whole or
-    /// not at all.
+    /// Writes a `.png` (sRGB, 8 bits per channel) or a linear `.exr`; the extension decides, and a device such as
+    /// `/dev/stdout` gets a PNG. The file appears whole or not at all.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
         match kind(path)? {
@@ -104,6 +104,7 @@ fn kind(path: &Path) -> Result<Kind> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("png") => Ok(Kind::Png),
         Some("exr") => Ok(Kind::Exr),
+        None if is_device(path) => Ok(Kind::Png),
         other => Err(Input::new("a picture's name says its format")
             .key("-o")
             .found(other.map_or_else(|| "no ending".to_string(), |e| format!(".{e}")))

@@ -18,6 +18,7 @@ mod line;
 mod lists;
 mod long_work;
 mod pareto;
+mod paths;
 mod probes;
 mod profile;
 mod profile_compare;

@@ -124,7 +124,7 @@ pub fn gltf() -> Vec<Case> {
     };
     let cases: Vec<(Vec<u8>, &'static str)> = vec![
         (b"glTF".to_vec(), "m.glb: the mesh file is not glTF 2.0 as it should be; found a header that is cut off"),
-        (b"glTF\x01\0\0\0\x0c\0\0\0".to_vec(), "m.glb: the mesh file is not glTF 2.0 as it should be; found "),
+        (b"glTF\x01\0\0\0\x0c\0\0\0".to_vec(), "m.glb: another version of glTF; found 1; expected"),
         (b"glTF\x02\0\0\0\xff\xff\xff\xff".to_vec(), "m.glb: the mesh file is not glTF 2.0 as it should be"),
         (b"glTF\x02\0\0\0\x00\0\0\0".to_vec(), "found a header that is cut off"),
         (
@@ -148,6 +148,10 @@ pub fn gltf() -> Vec<Case> {
         (br#"{"asset":{"version":"2.0"},"nodes":[{"mesh":-1}]}"#.to_vec(), "not glTF 2.0 as it should be"),
         (uses("KHR_draco_mesh_compression"), "m.glb: compressed meshes are not supported; found KHR_draco"),
         (uses("EXT_meshopt_compression"), "m.glb: compressed meshes are not supported; found EXT_meshopt"),
+        (
+            uses("KHR_texture_procedurals"),
+            "m.glb: the file requires an extension that is not known; found KHR_texture_pro",
+        ),
         (uses("KHR_meshopt_compression"), "m.glb: compressed meshes are not supported; found KHR_meshopt"),
         (tree(r#""nodes":[]"#), "m.glb: the mesh has no faces; found no triangles in the scene of the file"),
         (tree(r#""nodes":[{"mesh":4000000000}]"#), "m.glb: there is no mesh 4000000000"),

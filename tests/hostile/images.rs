@@ -181,7 +181,10 @@ pub fn exr() -> Vec<Case> {
     ];
     let mut all = cases("a.exr", &["sky", "texture", "map"], files);
     let bad = |value: f32| Exr { data: value.to_le_bytes().repeat(6), ..good.clone() }.bytes();
-    all.extend(cases("a.exr", &["sky"], vec![(bad(-1.0), "is no radiance; found [-1, -1, -1]")]));
+    all.extend(cases("a.exr", &["sky"], vec![(bad(f32::NEG_INFINITY), "is no radiance; found [-inf, -inf, -inf]")]));
+    let nameless = of(|exr| exr.channels.iter_mut().for_each(|channel| channel.0 += "x"));
+    let words = "cannot be read; found channels Bx, Gx, Rx; R, G and B, or Y, are read";
+    all.extend(cases("a.exr", &["sky", "texture"], vec![(nameless.clone(), words), (nameless, words)]));
     all.extend(cases("a.exr", &["texture"], vec![(bad(f32::NAN), "is no albedo; found [NaN, NaN, NaN]")]));
     all.extend(cases("a.exr", &["map"], vec![(bad(f32::INFINITY), "is no share of a depth; found [inf]")]));
     all

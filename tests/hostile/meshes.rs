@@ -122,6 +122,7 @@ pub fn libraries() -> Vec<Case> {
         one("newmtl a", "found no `map_Kd`"),
         one("map_Kd a.png", "found no `map_Kd`"),
         one("newmtl a\nmap_Kd", "a.mtl: the material library cannot be read"),
+        one("newmtl a\nmap_Kd -s 1 1 1 -clamp on", "found `map_Kd -s 1 1 1 -clamp on` without a file"),
         one("newmtl a\nKd 1 0", "found no `map_Kd`"),
         one("newmtl a\nKd a b c", "found no `map_Kd`"),
         one("newmtl a\nKa nan", "found no `map_Kd`"),

@@ -70,7 +70,8 @@ pub fn cases() -> Vec<Case> {
         .into_iter()
         .map(|(text, words)| Case::new(&[("a.toml", text.as_bytes())], "render a.toml -o a.png --device cpu", words))
         .collect();
-    let bytes: [(&[u8], &str); 2] = [(b"\xff\xfe\0", "invalid utf-8"), (b"unit = '\xe9'", "invalid utf-8")];
+    let bytes: [(&[u8], &str); 2] =
+        [(b"\xff\xfe\0", "found UTF-16 text, not UTF-8"), (b"unit = '\xe9'", "invalid utf-8")];
     let line = "render a.toml -o a.png --device cpu";
     cases.extend(bytes.map(|(bytes, words)| Case::new(&[("a.toml", bytes)], line, words)));
     cases

@@ -19,6 +19,7 @@ use milkglass::measure::results::{Outcome, Verdict};
 )]
 pub struct Arguments {
     /// Scenes to compare on; without any, the built-in fixtures.
+    #[arg(value_parser = crate::cli::paths::any_path())]
     pub(super) scenes: Vec<String>,
     /// Change a value of the scenes: `object.0.material.preset=ketchup`.
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "scenes")]

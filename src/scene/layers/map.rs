@@ -3,8 +3,7 @@
 use super::{Depth, pattern};
 use crate::error::Input;
 use crate::scene::files::Files;
-use crate::scene::image::MOST_TEXELS;
-use crate::scene::image::read_depths;
+use crate::scene::image::{MOST_TEXELS, clamp, read_depths};
 use crate::scene::range::Checked;
 use crate::scene::texture::{MOST_SIDE, Wrap};
 use std::path::Path;
@@ -89,7 +88,7 @@ impl DepthMap {
         let source = &self.source;
         let images = source.maps.iter().enumerate().map(|(k, name)| match pattern::of(name) {
             Some(image) => Ok(image),
-            None => read(files, &folder.join(name), key, (source.layers - 4 * k).min(4)),
+            None => read(files, &folder.join(name), key, (source.layers - 4 * k).min(4), report),
         });
         let images = images.collect::<Checked<Vec<_>>>()?;
         let size = images[0].0;
@@ -126,11 +125,17 @@ impl DepthMap {
 }
 
 /// Reads the size and texels of a file for so many layers; `key` is the maps' key, for errors.
-fn read(files: &Files, path: &Path, key: &str, layers: usize) -> Checked<([u32; 2], Vec<[f32; 4]>)> {
+fn read(
+    files: &Files,
+    path: &Path,
+    key: &str,
+    layers: usize,
+    report: &mut Vec<String>,
+) -> Checked<([u32; 2], Vec<[f32; 4]>)> {
     let at = |what: String| Input::new(what).key(key);
     let image = read_depths(files, path, MOST_TEXELS / 2);
     let image = image.unwrap_or_else(|| Err("its name does not end in .png or .exr".into()));
-    let (size, texels, channels) =
+    let (size, mut texels, channels) =
         image.map_err(|error| at(format!("{}: the map cannot be read", path.display())).found(error))?;
     if channels < layers {
         let fault = at(format!("{}: more layers than channels", path.display()));
@@ -144,8 +149,7 @@ fn read(files: &Files, path: &Path, key: &str, layers: usize) -> Checked<([u32; 
             .expected(format!("1 to {} texels, at most {MOST_SIDE} a side", MOST_TEXELS / 2)));
     }
     // Channels that no layer uses are not checked.
-    let bad = |texel: &[f32; 4]| texel[..layers].iter().any(|x| !(0.0..=1.0).contains(x));
-    if let Some(place) = texels.iter().position(bad) {
+    if let Err(place) = clamp(&mut texels, layers, 1.0, path, report) {
         let (x, y, found) = (place % size[0] as usize, place / size[0] as usize, &texels[place][..layers]);
         let fault = at(format!("{}: texel ({x}, {y}), from the top left, is no share of a depth", path.display()));
         return Err(fault.found(format!("{found:?}")).expected("numbers from 0 to 1"));

@@ -123,9 +123,9 @@ impl Light {
     }
 
     /// Reads its files, relative to `folder`; it is light number `index` of the scene.
-    pub(super) fn load(&mut self, files: &Files, folder: &Path, index: usize) -> Checked<()> {
+    pub(super) fn load(&mut self, files: &Files, folder: &Path, index: usize, report: &mut Vec<String>) -> Checked<()> {
         match &mut self.source {
-            Source::Environment { sky, .. } => sky.load(files, folder, &format!("light.{index}")),
+            Source::Environment { sky, .. } => sky.load(files, folder, &format!("light.{index}"), report),
             _ => Ok(()),
         }
     }

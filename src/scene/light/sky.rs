@@ -5,7 +5,7 @@
 //! `rotation` turns the environment about +y, anticlockwise as seen from above.
 
 use super::super::files::Files;
-use super::super::image::{read_exr, read_hdr};
+use super::super::image::{clamp, read_exr, read_hdr};
 use super::super::range::Checked;
 use crate::error::Input;
 use glam::DVec3;
@@ -64,30 +64,36 @@ impl Sky {
         sky
     }
 
-    /// Reads the image file, if there is one; `key` is the light's key, for errors.
-    pub(in crate::scene) fn load(&mut self, files: &Files, folder: &Path, key: &str) -> Checked<()> {
+    /// Reads the image file, if there is one; `key` is the light's key, for errors. What is clamped is added to
+    /// `report`.
+    pub(in crate::scene) fn load(
+        &mut self,
+        files: &Files,
+        folder: &Path,
+        key: &str,
+        report: &mut Vec<String>,
+    ) -> Checked<()> {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = folder.join(&image);
         let at = |what: String| Input::new(what).key(format!("{key}.image"));
         let expected = format!("an image that ends in .exr or .hdr, {BUILTIN} or {STUDIO}");
         let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
         let read = match end.as_str() {
-            "exr" => read_exr(files, &path, MOST_PIXELS),
+            "exr" => read_exr(files, &path, MOST_PIXELS, report),
             "hdr" => read_hdr(files, &path, MOST_PIXELS),
             _ => return Err(at("not the name of an environment".into()).found(image).expected(expected)),
         };
-        let (size, pixels) =
+        let (size, mut pixels) =
             read.map_err(|error| at(format!("{}: the image cannot be read", path.display())).found(error))?;
         if pixels.is_empty() || pixels.len() > MOST_PIXELS {
             let fault = at(format!("{}: the image has too few or too many pixels", path.display()));
             let found = format!("{} x {}", size[0], size[1]);
             return Err(fault.found(found).expected(format!("1 to {MOST_PIXELS} pixels")));
         }
-        let bad = |pixel: &[f32; 3]| pixel.iter().any(|x| !x.is_finite() || *x < 0.0);
-        if let Some(place) = pixels.iter().position(bad) {
+        if let Err(place) = clamp(&mut pixels, 3, f32::MAX, &path, report) {
             let (x, y, [r, g, b]) = (place % size[0] as usize, place / size[0] as usize, pixels[place]);
             let fault = at(format!("{}: pixel ({x}, {y}), from the top left, is no radiance", path.display()));
-            return Err(fault.found(format!("[{r}, {g}, {b}]")).expected("finite numbers of at least 0"));
+            return Err(fault.found(format!("[{r}, {g}, {b}]")).expected("finite numbers"));
         }
         (self.size, self.pixels) = (size, Arc::new(pixels));
         Ok(())
@@ -163,7 +169,7 @@ mod tests {
         let pixel = |x: usize, y: usize| (x as f32, 0.5 * y as f32, 3.0);
         exr::prelude::write_rgb_file(folder.path().join("a.exr"), 4, 2, pixel).expect("written");
         let mut sky = Sky::of_image("a.exr", [2.0, 1.0, 1.0], 0.0);
-        sky.load(&Files::default(), folder.path(), "light.0").expect("an image");
+        sky.load(&Files::default(), folder.path(), "light.0", &mut Vec::new()).expect("an image");
         assert_eq!((sky.size, sky.radiance(3, 1)), ([4, 2], DVec3::new(6.0, 0.5, 3.0)));
         assert_eq!(sky.brightest(), [6.0, 0.5, 3.0]);
         assert!((sky.mean() - DVec3::new(3.0, 0.25, 3.0)).length() < 1e-12, "{}", sky.mean());
@@ -171,19 +177,31 @@ mod tests {
         let pixels: Vec<_> = (0..32).map(|i| image::Rgb([i as f32, 1.0, 0.0])).collect();
         image::codecs::hdr::HdrEncoder::new(file).encode(&pixels, 8, 4).expect("written");
         let mut sky = Sky::of_image("b.hdr", [1.0; 3], 0.0);
-        sky.load(&Files::default(), folder.path(), "light.0").expect("an image");
+        sky.load(&Files::default(), folder.path(), "light.0", &mut Vec::new()).expect("an image");
         assert_eq!((sky.size, sky.radiance(3, 1).x), ([8, 4], 11.0));
+    }
+
+    #[test]
+    fn pixels_a_little_below_0_are_0_and_counted() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pixel = |x: usize, y: usize| (if (x, y) == (2, 1) { -3e-6 } else { 1.0 }, -1e-7 * x as f32, 1e30f32);
+        exr::prelude::write_rgb_file(folder.path().join("a.exr"), 4, 2, pixel).expect("written");
+        let (mut sky, mut report) = (Sky::of_image("a.exr", [1.0; 3], 0.0), Vec::new());
+        sky.load(&Files::default(), folder.path(), "light.0", &mut report).expect("an image");
+        assert_eq!((sky.pixels[6], sky.pixels[1]), ([0.0, 0.0, 1e30], [1.0, 0.0, 1e30]));
+        assert!(report.len() == 1 && report[0].starts_with("clamped: 6 of 8 pixels of "), "{report:?}");
+        assert!(report[0].ends_with("a.exr, the least -3e-6"), "{report:?}");
     }
 
     #[test]
     fn a_bad_pixel_is_named() {
         let folder = tempfile::tempdir().expect("a folder");
-        for (value, shown) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (-1.0, "-1")] {
+        for (value, shown) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
             let pixel = move |x: usize, y: usize| (1.0, if (x, y) == (2, 1) { value } else { 1.0 }, 1.0f32);
             exr::prelude::write_rgb_file(folder.path().join("a.exr"), 4, 2, pixel).expect("written");
             let mut sky = Sky::of_image("a.exr", [1.0; 3], 0.0);
-            let error =
-                sky.load(&Files::default(), folder.path(), "light.0").err().map(|e| e.to_string()).unwrap_or_default();
+            let loaded = sky.load(&Files::default(), folder.path(), "light.0", &mut Vec::new());
+            let error = loaded.err().map(|e| e.to_string()).unwrap_or_default();
             let what = "a.exr: pixel (2, 1), from the top left, is no radiance; found [1, ";
             assert!(error.starts_with("light.0.image: ") && error.contains(&format!("{what}{shown}, 1]")), "{error}");
         }

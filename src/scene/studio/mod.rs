@@ -73,11 +73,10 @@ pub struct Studio {
     pub told: Vec<String>,
 }
 
-/// The text of the scene of a mesh alone; none for a built-in scene or a scene file, nor for a pipe, which can be read
-/// only once.
+/// The text of the scene of a mesh alone; none for a built-in scene or a scene file.
 fn mesh_alone(name_or_path: &str, files: &Files) -> Checked<Option<Text>> {
     let built_in = BUILTIN.iter().any(|(name, ..)| name.eq_ignore_ascii_case(name_or_path));
-    if built_in || Path::new(name_or_path).metadata().is_ok_and(|known| !known.is_file()) {
+    if built_in {
         return Ok(None);
     }
     Ok(Some(Text::find(name_or_path, files)?).filter(|text| text.alone))
@@ -285,7 +284,8 @@ fn value(vector: DVec3) -> Value {
 /// The mean radiance of an image of the surroundings.
 fn mean(image: &str, files: &Files) -> Checked<f64> {
     let mut sky = Sky::of_image(image, [1.0; 3], 0.0);
-    sky.load(files, Path::new(""), "environment")
+    // The scene is read again, and says what there is to say.
+    sky.load(files, Path::new(""), "environment", &mut Vec::new())
         .map_err(|fault| Input { key: Some("--environment".into()), ..fault })?;
     Ok(sky.mean().element_sum() / 3.0)
 }

@@ -2,9 +2,14 @@
 //! interpolated as the colours are.
 
 use super::Texels;
+use crate::error::Input;
+use crate::scene::range::Checked;
 
 /// Most triangles with colours: with four texels of each, a texture has almost as many as it may have.
 pub(super) const MOST: usize = 2_000_000;
+
+/// What is said where a file has colours that nobody asked for.
+pub(super) const LEFT_OUT: &str = "ignored: the colours of the vertices; texture = \"mesh\" in the material shows them";
 
 /// Squares of four texels in a row.
 fn columns(triangles: usize) -> usize {
@@ -27,8 +32,17 @@ pub(super) fn corners(triangles: usize) -> Vec<[[f64; 2]; 3]> {
     (0..triangles).map(of).collect()
 }
 
+/// The same, if there are not too many.
+pub(super) fn checked(colors: impl ExactSizeIterator<Item = [[f32; 3]; 3]>) -> Checked<Texels> {
+    if colors.len() > MOST {
+        let fault = Input::new("too many triangles for colours of their vertices").found(colors.len());
+        return Err(fault.expected(format!("at most {MOST}")));
+    }
+    Ok(texture(&colors.collect::<Vec<_>>()))
+}
+
 /// The texture of triangles whose corners have these colours, each from 0 to 1, r g b, linear.
-pub(super) fn texture(colors: &[[[f32; 3]; 3]]) -> Texels {
+fn texture(colors: &[[[f32; 3]; 3]]) -> Texels {
     let ([width, height], columns) = (size(colors.len()), columns(colors.len()));
     let mut texels = vec![[1.0; 3]; width * height];
     for (triangle, [a, b, c]) in colors.iter().enumerate() {

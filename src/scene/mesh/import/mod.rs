@@ -3,10 +3,11 @@
 
 use super::Mesh;
 use crate::error::Input;
-use crate::scene::files::Files;
+use crate::scene::files::{Files, packed};
 use crate::scene::range::Checked;
 use crate::scene::skin::{Pose, Rig};
 use glam::DVec3;
+use std::borrow::Cow;
 use std::io::ErrorKind;
 use std::path::Path;
 use toml::{Table, Value};
@@ -77,15 +78,19 @@ const STATEMENTS: [&str; 14] =
 impl Format {
     /// The format of a file with these bytes; none if it is no mesh by content and name.
     pub fn of(path: &Path, bytes: &[u8]) -> Option<Self> {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let start = bytes.trim_ascii_start();
         let line = |bytes: &[u8], word: &[u8]| {
-            bytes.strip_prefix(word).is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
+            let rest = bytes.split_at_checked(word.len()).filter(|(own, _)| own.eq_ignore_ascii_case(word));
+            rest.is_some_and(|(_, rest)| rest.first().is_none_or(u8::is_ascii_whitespace))
         };
         // Binary STL has no mark but its length, and may begin like ascii STL.
-        if stl::is_binary(bytes) || line(start, b"solid") && start.windows(5).any(|word| word == b"facet") {
+        if stl::is_binary(bytes)
+            || line(start, b"solid") && start.windows(5).any(|word| word.eq_ignore_ascii_case(b"facet"))
+        {
             return Some(Self::Stl);
         }
-        let json = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).starts_with(b"{");
+        let json = start.starts_with(b"{");
         if bytes.starts_with(b"glTF") || json && start.windows(7).any(|word| word == b"\"asset\"") {
             return Some(Self::Gltf);
         }
@@ -108,8 +113,7 @@ impl Format {
 
 /// Whether the first line of a text that is no comment is a statement of Wavefront OBJ.
 fn is_obj(bytes: &[u8]) -> bool {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let mut lines = bytes.split(|byte| b"\r\n".contains(byte)).map(<[u8]>::trim_ascii);
     let Some(line) = lines.find(|line| !line.is_empty() && !line.starts_with(b"#")) else { return false };
     let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     let first = words.next().unwrap_or_default();
@@ -141,13 +145,13 @@ pub(super) fn read(files: &Files, path: &Path, part: Option<u32>, wanted: Option
 /// The texture that a mesh file, or a part of it, brings along.
 pub(in crate::scene) fn own_texture(files: &Files, path: &Path, part: Option<u32>) -> Checked<Texels> {
     let bytes = bytes_of(files, path, 1)?;
-    let texels =
-        match Format::of(path, &bytes) {
-            Some(Format::Gltf) => gltf::texture(files, path, &bytes, part),
-            Some(Format::Ply) => ply::texture(files, &bytes),
-            _ => Err(Input::new("a file in this format brings no texture along")
-                .expected("PLY with vertex colours, or glTF")),
-        };
+    let texels = match Format::of(path, &bytes) {
+        Some(Format::Gltf) => gltf::texture(files, path, &bytes, part),
+        Some(Format::Ply) => ply::texture(files, &bytes),
+        Some(Format::Obj) => obj::texture(files, &bytes),
+        _ => Err(Input::new("a file in this format brings no texture along")
+            .expected("OBJ or PLY with vertex colours, or glTF")),
+    };
     texels.map_err(|fault| fault.file(path))
 }
 
@@ -161,7 +165,7 @@ pub(in crate::scene) fn scene_of(
 ) -> Checked<(Table, Vec<String>)> {
     match Format::of(path, bytes) {
         Some(Format::Gltf) => return gltf::scene(files, path, bytes, around).map_err(|fault| fault.file(path)),
-        Some(Format::Ply) if ply::texture(files, bytes).is_ok() => {
+        format if brings_colors(files, bytes, format) => {
             let object = around.get_mut("object").and_then(Value::as_array_mut).and_then(|objects| objects.first_mut());
             if let Some(Value::Table(material)) = object.and_then(|object| object.get_mut("material")) {
                 material.insert("texture".into(), "mesh".into());
@@ -170,6 +174,15 @@ pub(in crate::scene) fn scene_of(
         _ => {}
     }
     Ok((around, Vec::new()))
+}
+
+/// Whether the vertices of a file have colours, not too many for a texture.
+fn brings_colors(files: &Files, bytes: &[u8], format: Option<Format>) -> bool {
+    match format {
+        Some(Format::Obj) => obj::is_colored(&text_of(bytes)) && obj::texture(files, bytes).is_ok(),
+        Some(Format::Ply) => ply::texture(files, bytes).is_ok(),
+        _ => false,
+    }
 }
 
 /// Names of the animations of a mesh file, and how long they last, in seconds; empty for formats without animations.
@@ -194,13 +207,25 @@ pub(super) fn animated(
 
 /// Reads the bytes of a mesh file; `copies` times its size must fit the memory.
 fn bytes_of(files: &Files, path: &Path, copies: u64) -> Checked<Vec<u8>> {
-    files.read(path, copies).map_err(|error| match error.kind() {
+    let bytes = files.read(path, copies).map_err(|error| match error.kind() {
         ErrorKind::NotFound => Input::new("there is no such mesh file").file(path),
         ErrorKind::Unsupported => {
             Input::new("the mesh is not a plain file").file(path).expected(format!("a file in {FORMATS}"))
         }
         _ => unread(&error).file(path),
-    })
+    })?;
+    match packed(&bytes) {
+        Some(found) => Err(Input::new("the mesh file cannot be read").file(path).found(found).expected(FORMATS)),
+        None => Ok(bytes),
+    }
+}
+
+/// The text of a file, in any encoding like ASCII, with lines that end as elsewhere, and without a mark of its order of
+/// bytes.
+fn text_of(bytes: &[u8]) -> Cow<'_, str> {
+    let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+    // Line ends of long ago.
+    if text.contains('\r') && !text.contains('\n') { Cow::Owned(text.replace('\r', "\n")) } else { text }
 }
 
 fn unread(error: &std::io::Error) -> Input {

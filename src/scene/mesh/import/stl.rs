@@ -3,7 +3,7 @@
 //! By hand: the crate stl_io ends at the first `endsolid`, so that it drops all but one of several solids, and its
 //! errors have no line.
 
-use super::{Coordinates, Soup, checked, no_coordinates, unread};
+use super::{Coordinates, Soup, checked, no_coordinates, text_of, unread};
 use crate::error::Input;
 use crate::scene::files::Files;
 use crate::scene::range::Checked;
@@ -21,6 +21,14 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
     stated(bytes).is_some_and(|count| count.checked_mul(TRIANGLE).is_some_and(|body| body + HEAD == bytes.len()))
 }
 
+/// The number of triangles of a binary file, and of the bytes after them, which some programs write.
+fn triangles(bytes: &[u8]) -> Option<(usize, usize)> {
+    let count = stated(bytes)?;
+    let after = bytes.len().checked_sub(count.checked_mul(TRIANGLE)?.checked_add(HEAD)?)?;
+    // Text is never so long as it would state.
+    (count > 0 || after == 0).then_some((count, after))
+}
+
 /// The number of triangles that a binary file states.
 fn stated(bytes: &[u8]) -> Option<usize> {
     let count = bytes.get(80..HEAD)?.first_chunk::<4>()?;
@@ -31,27 +39,33 @@ fn stated(bytes: &[u8]) -> Option<usize> {
 pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
     no_coordinates(wanted, "STL")?;
     let mut corners = Corners::default();
-    if is_binary(bytes) {
-        let count = (bytes.len() - HEAD) / TRIANGLE;
+    let mut notes = Vec::new();
+    if let Some((count, after)) = triangles(bytes) {
         files.need(count as u64 * BYTES).map_err(|error| unread(&error))?;
-        for triangle in bytes[HEAD..].chunks_exact(TRIANGLE) {
+        if after > 0 {
+            notes.push(format!("ignored: {after} bytes after the last triangle"));
+        }
+        for triangle in bytes[HEAD..].chunks_exact(TRIANGLE).take(count) {
             // A normal, three corners, and two bytes that mean nothing.
             let numbers = triangle.as_chunks::<4>().0.iter().map(|four| f64::from(f32::from_le_bytes(*four)));
             let numbers: Vec<f64> = numbers.skip(3).collect();
             numbers.as_chunks().0.iter().try_for_each(|corner| corners.push(DVec3::from_array(*corner)))?;
         }
     } else {
-        let text = String::from_utf8_lossy(bytes);
-        let vertices = text.matches("vertex").count() as u64;
-        files.need(2 * bytes.len() as u64 + vertices * BYTES / 3).map_err(|error| unread(&error))?;
-        if !text.trim_start().starts_with("solid") {
+        let text = text_of(bytes);
+        let lines = text.lines().count() as u64;
+        files.need(2 * bytes.len() as u64 + lines * BYTES / 3).map_err(|error| unread(&error))?;
+        if !text.trim_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case("solid")) {
             let found = format!("{} bytes, which state {:?} triangles", bytes.len(), stated(bytes).unwrap_or(0));
             let fault = Input::new("the mesh file is neither ascii nor binary STL").found(found);
             return Err(fault.expected("`solid`, or a file of 84 bytes and 50 per triangle"));
         }
-        ascii(&text, &mut corners)?;
+        let after = ascii(&text, &mut corners)?;
+        if after > 0 {
+            notes.push(format!("ignored: {after} lines after the last solid"));
+        }
     }
-    corners.soup()
+    Ok(Soup { notes, ..corners.soup()? })
 }
 
 /// Corners of triangles, each three in turn, with one vertex per position.
@@ -86,12 +100,19 @@ impl Corners {
     }
 }
 
-/// Reads the facets of every solid; normals, names and the words around loops are passed over.
-fn ascii(text: &str, corners: &mut Corners) -> Checked<()> {
-    let mut of_facet = 0;
+/// Reads the facets of every solid; normals, names and the words around loops are passed over. Returns the number of
+/// lines after the solids that are no statements.
+fn ascii(text: &str, corners: &mut Corners) -> Checked<usize> {
+    let (mut of_facet, mut ended, mut after) = (0, false, 0);
     for (line, words) in text.lines().enumerate().map(|(line, text)| (line + 1, text)) {
         let mut words = words.split_ascii_whitespace();
-        match words.next().map(str::to_ascii_lowercase).as_deref() {
+        let first = words.next().map(str::to_ascii_lowercase);
+        ended = match first.as_deref() {
+            Some("endsolid") => true,
+            Some("solid" | "facet" | "vertex") => false,
+            _ => ended,
+        };
+        match first.as_deref() {
             Some("vertex") => {
                 let numbers: Vec<f64> = words.map_while(|word| word.parse().ok()).collect();
                 let [x, y, z] = numbers[..] else {
@@ -107,6 +128,7 @@ fn ascii(text: &str, corners: &mut Corners) -> Checked<()> {
             }
             Some("endfacet") => of_facet = 0,
             Some("solid" | "endsolid" | "facet" | "outer" | "endloop") | None => {}
+            Some(_) if ended => after += 1,
             Some(other) => {
                 let fault = Input::new("not a statement of ascii STL").line(line).found(format!("`{other}`"));
                 return Err(fault.expected("solid, facet, outer loop, vertex, endloop, endfacet, endsolid"));
@@ -114,14 +136,16 @@ fn ascii(text: &str, corners: &mut Corners) -> Checked<()> {
         }
     }
     if of_facet == 0 {
-        return Ok(());
+        return Ok(after);
     }
     Err(Input::new("the file ends within a facet").found(format!("{of_facet} corners")).expected("`endfacet`"))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Format;
     use super::*;
+    use std::path::Path;
 
     const TWO: &str = "solid a b\nfacet normal 0 0 0\n outer loop\n  vertex 0 0 0\n  VERTEX 1 0 0\n  vertex 0 1e0 0\n \
                        endloop\nendfacet\nendsolid a b\n\nsolid\nfacet normal 0 0 1\nouter loop\nvertex 1 0 0\n\
@@ -160,6 +184,32 @@ mod tests {
         assert!(
             of(&bytes).is_err_and(|words| words.starts_with("a coordinate is not finite or too large; found [NaN"))
         );
+    }
+
+    #[test]
+    fn keywords_are_in_any_case_and_lines_end_in_any_way() {
+        for text in [TWO.to_uppercase(), TWO.replace('\n', "\r\n"), TWO.replace('\n', "\r"), format!("\u{feff}{TWO}")] {
+            assert_eq!(of(text.as_bytes()).expect("two triangles").triangles, [[0, 1, 2], [1, 2, 3]], "{text:?}");
+            assert_eq!(Format::of(Path::new("a"), text.as_bytes()), Some(Format::Stl), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn bytes_after_the_last_triangle_are_counted() {
+        let corners = [0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes).concat();
+        let whole = [&[b' '; 80][..], &1u32.to_le_bytes(), &corners, &[0; 2]].concat();
+        for after in [1, 2, 50, 1000] {
+            let soup = of(&[&whole[..], &vec![7; after]].concat()).expect("a triangle");
+            assert_eq!(soup.notes, [format!("ignored: {after} bytes after the last triangle")]);
+        }
+        assert!(of(&whole).expect("a triangle").notes.is_empty() && of(&whole[..133]).is_err());
+        for after in ["\0", "\x1a\n", "made by hand"] {
+            let soup = of(format!("{TWO}{after}").as_bytes()).expect("two triangles");
+            assert_eq!(
+                (soup.triangles.len(), soup.notes),
+                (2, vec!["ignored: 1 lines after the last solid".to_owned()])
+            );
+        }
     }
 
     #[test]

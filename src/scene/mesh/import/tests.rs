@@ -27,10 +27,21 @@ fn file_faults_name_the_file() {
     assert!(error.ends_with("gone.obj: there is no such mesh file"), "{error}");
     let error = read(&Files::default(), folder.path(), None, None).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(error.contains(": the mesh is not a plain file; expected"), "{error}");
-    for bytes in [&b""[..], b"v 0 0 0\n", b"\xff\xfe\0\0\x80"] {
+    for bytes in [&b""[..], b"v 0 0 0\n", b"\xfd\xfe\0\0\x80"] {
         std::fs::write(&path, bytes).expect("written");
         let error = read(&Files::default(), &path, None, None).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains("gone.obj: the mesh has no faces; found no `f`"), "{error}");
+    }
+    for (bytes, words) in [
+        (&b"\x1f\x8b\x08\0"[..], "data packed by gzip"),
+        (b"PK\x03\x04\x14\0", "a zip archive"),
+        (b"\xff\xfev\0 \0", "UTF-16 text"),
+        (b"v\0 \x000\0 \0", "UTF-16 text"),
+        (b"\0v\0 \x000\0 ", "UTF-16 text"),
+    ] {
+        std::fs::write(&path, bytes).expect("written");
+        let error = read(&Files::default(), &path, None, None).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(error.contains(&format!("gone.obj: the mesh file cannot be read; found {words}")), "{error}");
     }
     std::fs::write(&path, format!("{SQUARE}f 1 2 7\n")).expect("written");
     let error = read(&Files::default(), &path, None, None).err().map(|e| e.to_string()).unwrap_or_default();

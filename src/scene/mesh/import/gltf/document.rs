@@ -4,15 +4,17 @@
 //! are read here, with every index and length checked.
 
 use super::super::unread;
+use super::parse::{another, not_gltf, parse};
 use crate::error::Input;
 use crate::scene::files::Files;
 use crate::scene::range::Checked;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use gltf::Glb;
 use gltf::json::accessor::ComponentType;
+use gltf::json::mesh::Primitive;
 use gltf::json::validation::Checked::Valid;
 use gltf::json::{Index, Root, Value, buffer::View};
-use gltf::{Glb, json};
 use percent_encoding::percent_decode_str;
 use std::path::Path;
 
@@ -21,6 +23,9 @@ const BYTES: u64 = 500;
 
 /// Extensions whose meshes are compressed, which is not supported.
 const COMPRESSED: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Extensions of textures whose images are not read; what has no other image is shown without.
+const IMAGES: [&str; 4] = ["EXT_texture_avif", "EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds"];
 
 /// Extensions that are read.
 const KNOWN: [&str; 8] = [
@@ -40,6 +45,12 @@ pub(super) struct Document {
     pub root: Root,
     /// The bytes of each buffer; none for one without a source, such as a fallback of compression.
     buffers: Vec<Option<Vec<u8>>>,
+}
+
+/// A mesh, or a part of it, that is there in compressed form only.
+fn compressed(name: &str) -> Input {
+    let fault = Input::new("compressed meshes are not supported").found(name);
+    fault.expected("glTF without mesh compression, such as `gltf-transform copy` writes")
 }
 
 /// An index that leads nowhere.
@@ -69,34 +80,29 @@ pub(super) fn numbers<const N: usize>(value: Option<&Value>, name: &str, usual: 
 impl Document {
     /// Parses a file's bytes and reads its buffers, which are beside `path`.
     pub fn open(files: &Files, path: &Path, bytes: &[u8]) -> Checked<Self> {
-        let fault = |error: String| Input::new("the mesh file is not glTF 2.0 as it should be").found(error);
         // The parser subtracts the header's 12 bytes from the length.
         let (text, blob) = match bytes.strip_prefix(b"glTF") {
+            Some([1, 0, 0, 0, ..]) => return Err(another("1")),
             Some(rest) if rest.get(4..8).is_none_or(|length| length < &[12, 0, 0, 0][..] && length[1..] == [0; 3]) => {
-                return Err(fault("a header that is cut off".into()));
+                return Err(not_gltf("a header that is cut off"));
             }
             Some(_) => {
-                let glb = Glb::from_slice(bytes).map_err(|error| fault(error.to_string()))?;
+                let glb = Glb::from_slice(bytes).map_err(|error| not_gltf(&error.to_string()))?;
                 (glb.json, glb.bin)
             }
             None => (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).into(), None),
         };
         let places = text.iter().filter(|byte| b"{[,".contains(byte)).count() as u64;
         files.need(places * BYTES + 2 * bytes.len() as u64).map_err(|error| unread(&error))?;
-        let root: Root = json::deserialize::from_slice(&text).map_err(|error| {
-            let text = error.to_string();
-            let line = error.line();
-            let fault = fault(text.split(" at line ").next().unwrap_or_default().to_owned());
-            if bytes.starts_with(b"glTF") || line == 0 { fault } else { fault.line(line) }
-        })?;
-        if !root.asset.version.starts_with("2.") {
-            let fault = Input::new("another version of glTF").found(&root.asset.version);
-            return Err(fault.expected("asset.version 2.0"));
-        }
-        let uses = |name: &&str| root.extensions_used.iter().chain(&root.extensions_required).any(|used| used == name);
-        if let Some(name) = COMPRESSED.iter().find(|name| uses(name)) {
-            let fault = Input::new("compressed meshes are not supported").found(name);
-            return Err(fault.expected("glTF without mesh compression, such as `gltf-transform copy` writes"));
+        let root = parse(&text, !bytes.starts_with(b"glTF"))?;
+        for name in root.extensions_required.iter().map(String::as_str) {
+            if COMPRESSED.contains(&name) {
+                return Err(compressed(name));
+            }
+            if !KNOWN.contains(&name) && !IMAGES.contains(&name) {
+                let fault = Input::new("the file requires an extension that is not known").found(name);
+                return Err(fault.expected(format!("no other than {}", KNOWN.join(", "))));
+            }
         }
         let mut document = Self { root, buffers: Vec::new() };
         let mut total = 0;
@@ -124,13 +130,31 @@ impl Document {
         (!names.is_empty()).then(|| format!("ignored: glTF extensions {}", names.join(", ")))
     }
 
+    /// Fails if a primitive has its numbers in compressed form only: accessors that say nothing of where they are.
+    pub fn check_plain(&self, primitive: &Primitive) -> Checked<()> {
+        let name = COMPRESSED.into_iter().find(|name| extension!(primitive, *name).is_some());
+        let mut accessors = primitive.attributes.values().chain(&primitive.indices).map(|index| index.value());
+        let empty = |index: usize| {
+            let accessor = self.root.accessors.get(index);
+            accessor.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none())
+        };
+        match name {
+            Some(name) if accessors.any(empty) => Err(compressed(name)),
+            _ => Ok(()),
+        }
+    }
+
     /// The bytes of a buffer view, and its stride.
     pub fn view(&self, index: Index<View>) -> Checked<(&[u8], Option<usize>)> {
         let fault = |what| Err(Input::new(what).key(format!("bufferViews.{}", index.value())));
         let Some(view) = self.root.buffer_views.get(index.value()) else {
             return Err(gone("buffer view", index.value()));
         };
-        let Some(Some(bytes)) = self.buffers.get(view.buffer.value()) else { return fault("its buffer has no bytes") };
+        let Some(Some(bytes)) = self.buffers.get(view.buffer.value()) else {
+            // What is compressed may have a buffer in name only.
+            let packed = COMPRESSED.into_iter().find(|name| extension!(view, *name).is_some());
+            return packed.map_or_else(|| fault("its buffer has no bytes"), |name| Err(compressed(name)));
+        };
         let start = usize::try_from(view.byte_offset.map_or(0, |offset| offset.0)).unwrap_or(usize::MAX);
         let length = usize::try_from(view.byte_length.0).unwrap_or(usize::MAX);
         match bytes.get(start..start.saturating_add(length)) {

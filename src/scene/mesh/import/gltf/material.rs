@@ -2,7 +2,8 @@
 
 use super::document::{Document, extension, number, numbers};
 use super::{Checked, Parts, Tint, Tree};
-use gltf::json::material::Material;
+use gltf::json::material::{AlphaMode, Material};
+use gltf::json::validation::Checked::Valid;
 use toml::{Table, Value};
 
 /// Scattering in a volume, per metre.
@@ -58,6 +59,11 @@ fn single_scattering(rho: f64, g: f64) -> f64 {
     (1.0 - square) / (1.0 - g * square)
 }
 
+/// What messages call a material.
+fn called(material: &Material) -> &str {
+    material.name.as_deref().unwrap_or("without a name")
+}
+
 /// The material of a part in a scene; `around` is that of a mesh alone. What cannot be rendered is added to `notes`.
 pub(super) fn of_part(
     document: &Document,
@@ -71,7 +77,7 @@ pub(super) fn of_part(
     let list = |values: [f64; 3]| Value::Array(values.map(Value::Float).to_vec());
     let medium = material.and_then(Medium::of);
     if let Some(material) = material {
-        let name = material.name.clone().unwrap_or_else(|| "without a name".to_owned());
+        let name = called(material);
         let roughness = f64::from(material.pbr_metallic_roughness.roughness_factor.0);
         made.remove("shininess");
         made.insert("reflection".into(), "ggx".into());
@@ -80,10 +86,17 @@ pub(super) fn of_part(
         if medium.is_some() || extension!(material, "KHR_materials_ior").is_some() {
             made.insert("eta".into(), ior.clamp(1.0, 5.0).into());
         }
+        let mut note = |words: &str| notes.push(format!("material {name}: {words}"));
         let clear = ["KHR_materials_transmission", "KHR_materials_volume"];
         if medium.is_none() && clear.iter().any(|name| extension!(material, *name).is_some()) {
-            let note = "what is clear, without scattering, cannot be rendered; it has the material of a mesh alone";
-            notes.push(format!("material {name}: {note}"));
+            note("what is clear, without scattering, cannot be rendered; it has the material of a mesh alone");
+        } else if medium.is_none() && extension!(material, "KHR_materials_diffuse_transmission").is_some() {
+            note("diffuse transmission without a volume is left out; it has the material of a mesh alone");
+        }
+        match material.alpha_mode {
+            Valid(AlphaMode::Mask) => note("its alpha mask is left out: what that cuts away is there"),
+            Valid(AlphaMode::Blend) => note("its opacity is left out: all of it is there"),
+            _ => {}
         }
     }
     match medium {
@@ -96,9 +109,18 @@ pub(super) fn of_part(
         }
         None => {
             let tint = Tint::of(document, tree, parts)?;
+            if let (Some(material), Some(index)) = (material, parts.chosen[0])
+                && let Some(words) = tint.left_out(document, tree, index)?
+            {
+                notes.push(format!("material {}: {words}", called(material)));
+            }
             if tint.matters() {
                 made.insert("texture".into(), "mesh".into());
-                made.insert("texture_wrap".into(), tint.wrap(document).into());
+                let words = match tint.wrap(document) {
+                    [u, v] if u == v => u.into(),
+                    both => Value::Array(both.map(Value::from).to_vec()),
+                };
+                made.insert("texture_wrap".into(), words);
             }
         }
     }

@@ -16,6 +16,7 @@ mod animation;
 mod assembly;
 mod document;
 mod material;
+mod parse;
 mod primitive;
 mod scene;
 mod tint;

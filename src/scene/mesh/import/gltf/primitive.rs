@@ -29,6 +29,7 @@ impl Piece {
     /// Reads a primitive; none if it has no triangles.
     pub fn read(document: &Document, files: &Files, primitive: &Primitive) -> Checked<Option<Self>> {
         let Some(positions) = attribute(primitive, Semantic::Positions) else { return Ok(None) };
+        document.check_plain(primitive)?;
         let vectors = |index| -> Checked<Vec<DVec3>> {
             Ok(document.vectors(files, index)?.into_iter().map(DVec3::from_array).collect())
         };

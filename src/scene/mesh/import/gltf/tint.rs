@@ -34,19 +34,28 @@ impl<'a> Tint<'a> {
             return Self::without_image(document, tree, material, [1.0; 3]);
         };
         let factor = [0, 1, 2].map(|k| f64::from(pbr.base_color_factor.0[k]).clamp(0.0, 1.0));
-        match &pbr.base_color_texture {
+        match pbr.base_color_texture.as_ref().filter(|info| is_read(document, info)) {
             Some(info) => Ok(Self::Image(info, factor)),
             None => Self::without_image(document, tree, material, factor),
         }
     }
 
     fn without_image(document: &Document, tree: &Tree, material: Option<usize>, factor: [f64; 3]) -> Checked<Self> {
-        let all = super::assembly::primitives(document, tree)?;
-        let colored = all.iter().any(|(_, primitive)| {
-            let own = primitive.material.map(|material| material.value()) == material;
-            own && primitive.attributes.contains_key(&Valid(Semantic::Colors(0)))
-        });
-        Ok(if colored { Self::Colors(factor) } else { Self::Plain(factor) })
+        Ok(if is_colored(document, tree, material)? { Self::Colors(factor) } else { Self::Plain(factor) })
+    }
+
+    /// What of a material's colours this leaves out.
+    pub fn left_out(&self, document: &Document, tree: &Tree, material: usize) -> Checked<Option<&'static str>> {
+        let pbr = &document.root.materials[material].pbr_metallic_roughness;
+        Ok(match self {
+            Self::Image(..) if is_colored(document, tree, Some(material))? => {
+                Some("the colours of its vertices, COLOR_0, are left out beside its texture")
+            }
+            Self::Colors(_) | Self::Plain(_) if pbr.base_color_texture.is_some() => {
+                Some("its texture is left out: its image is neither PNG nor JPEG")
+            }
+            _ => None,
+        })
     }
 
     /// Whether it changes anything.
@@ -54,17 +63,19 @@ impl<'a> Tint<'a> {
         !matches!(self, Self::Plain([1.0, 1.0, 1.0]))
     }
 
-    /// The word for how the texture continues beyond its edges.
-    pub fn wrap(&self, document: &Document) -> &'static str {
+    /// The words for how the texture continues beyond its edges, along u and along v.
+    pub fn wrap(&self, document: &Document) -> [&'static str; 2] {
         let sampler = match self {
             Self::Image(info, _) => document.root.textures.get(info.index.value()).and_then(|texture| texture.sampler),
             _ => None,
         };
-        match sampler.and_then(|sampler| document.root.samplers.get(sampler.value())).map(|sampler| sampler.wrap_s) {
-            Some(Valid(WrappingMode::ClampToEdge)) => "clamp",
-            Some(Valid(WrappingMode::MirroredRepeat)) => "mirror",
+        let sampler = sampler.and_then(|sampler| document.root.samplers.get(sampler.value()));
+        let modes = sampler.map_or([Valid(WrappingMode::Repeat); 2], |sampler| [sampler.wrap_s, sampler.wrap_t]);
+        modes.map(|mode| match mode {
+            Valid(WrappingMode::ClampToEdge) => "clamp",
+            Valid(WrappingMode::MirroredRepeat) => "mirror",
             _ => "repeat",
-        }
+        })
     }
 
     /// Texture coordinates of the corners of all triangles.
@@ -95,17 +106,13 @@ impl<'a> Tint<'a> {
             Self::Colors(factor) => {
                 let locals = Local::rest(document);
                 let assembly = Assembly::of(document, files, tree, &locals, &parts.chosen)?;
-                if assembly.triangles.len() > colors::MOST {
-                    let fault = Input::new("too many triangles for colours of their vertices");
-                    return Err(fault.found(assembly.triangles.len()).expected(format!("at most {}", colors::MOST)));
-                }
                 let mut all = vec![[1.0; 3]; assembly.base.len()];
                 for Placed { primitive, first, .. } in &assembly.pieces {
                     let own = primitive::colors(document, files, primitive)?.unwrap_or_default();
                     all.iter_mut().skip(*first as usize).zip(own).for_each(|(place, color)| *place = color);
                 }
                 let of = |corners: &[u32; 3]| corners.map(|corner| times(all[corner as usize], factor));
-                Ok(colors::texture(&assembly.triangles.iter().map(of).collect::<Vec<_>>()))
+                colors::checked(assembly.triangles.iter().map(of))
             }
             Self::Image(info, factor) => {
                 let index = info.index.value();
@@ -119,6 +126,33 @@ impl<'a> Tint<'a> {
             }
         }
     }
+}
+
+/// Whether vertices of what has this material have colours.
+fn is_colored(document: &Document, tree: &Tree, material: Option<usize>) -> Checked<bool> {
+    Ok(super::assembly::primitives(document, tree)?.iter().any(|(_, primitive)| {
+        let own = primitive.material.map(|material| material.value()) == material;
+        own && primitive.attributes.contains_key(&Valid(Semantic::Colors(0)))
+    }))
+}
+
+/// Whether a texture has an image in a format that is read, as far as the file says so.
+fn is_read(document: &Document, info: &Info) -> bool {
+    let Some(texture) = document.root.textures.get(info.index.value()) else { return true };
+    // An image of another format comes with an extension, which names it instead.
+    if texture.source.value() == u32::MAX as usize {
+        return false;
+    }
+    let Some(image) = document.root.images.get(texture.source.value()) else { return true };
+    let kind = image.mime_type.as_ref().map_or("", |kind| kind.0.as_str());
+    let uri = image.uri.as_deref().unwrap_or_default();
+    let other = ["webp", "ktx2", "avif", "vnd-ms.dds"].iter().any(|other| {
+        let end = other.rsplit('.').next().unwrap_or_default();
+        kind == format!("image/{other}")
+            || uri.starts_with(&format!("data:image/{other};"))
+            || Path::new(uri).extension().is_some_and(|own| own.eq_ignore_ascii_case(end))
+    });
+    !other
 }
 
 /// The bytes of an image.

@@ -31,7 +31,7 @@ pub(super) struct Local {
 }
 
 impl Tree {
-    /// The tree of a file's nodes; the file's scene, or its first one, or else all nodes are shown.
+    /// The tree of a file's nodes; the file's scene, or its first one with nodes, or else all nodes are shown.
     pub fn of(document: &Document) -> Checked<Self> {
         let nodes = &document.root.nodes;
         let mut parent = vec![None; nodes.len()];
@@ -59,7 +59,9 @@ impl Tree {
         let scenes = &document.root.scenes;
         let mut shown = vec![false; nodes.len()];
         let chosen = document.root.scene.map(|scene| scene.value());
-        match (chosen, scenes.get(chosen.unwrap_or(0))) {
+        // Without a choice, the first scene that shows something.
+        let full = || scenes.iter().position(|scene| !scene.nodes.is_empty()).unwrap_or(0);
+        match (chosen, scenes.get(chosen.unwrap_or_else(full))) {
             (_, Some(scene)) => {
                 for node in scene.nodes.iter().map(|node| node.value()) {
                     *shown.get_mut(node).ok_or_else(|| gone("node", node))? = true;

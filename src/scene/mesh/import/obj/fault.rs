@@ -104,7 +104,7 @@ mod tests {
         ];
         for (statement, expected) in cases {
             let text = format!("{start}{statement}\nf 1 2 3\n");
-            let error = parse(&text).err().map(|e| (e.line, e.to_string())).unwrap_or_default();
+            let error = parse(&text, false).err().map(|e| (e.line, e.to_string())).unwrap_or_default();
             assert!(error.0 == Some(5) && error.1.starts_with(expected), "{error:?}");
         }
     }
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_coordinate_at_fault_is_found_before_the_face_that_uses_it() {
         let text = "v 0 0 0\nv 1 0 0\nf 1 2 3\n\nv 0 inf 0\n";
-        let error = parse(text).err().map(|e| (e.line, e.to_string())).unwrap_or_default();
+        let error = parse(text, false).err().map(|e| (e.line, e.to_string())).unwrap_or_default();
         assert_eq!(error.0, Some(5), "{error:?}");
     }
 }

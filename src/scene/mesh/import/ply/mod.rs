@@ -2,15 +2,18 @@
 //! and lists of corners in element `face`, cut into triangles.
 
 use super::polygon::Cutter;
-use super::{Coordinates, MOST_UV, Soup, Texels, checked, colors, compact, unread};
+use super::{Coordinates, MOST_UV, Soup, Texels, checked, colors, compact, text_of, unread};
 use crate::error::Input;
 use crate::scene::files::Files;
 use crate::scene::range::Checked;
 use glam::DVec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess, PropertyType, ScalarType};
+use std::borrow::Cow;
 
+mod ascii;
 mod elements;
+use ascii::Lines;
 use elements::{Face, Other, Vertex};
 
 /// Memory per vertex, face and corner until the mesh is clean, bytes.
@@ -46,8 +49,7 @@ pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>)
     let used = ply.faces.iter().filter(|face| face.corners.len() > 2).flat_map(|face| &face.corners);
     let (soup, _) = compact(&ply.positions()?, used.copied(), triangles, input_face);
     let ignored = ply.has_color && !wanted.is_some_and(|wanted| wanted.own);
-    let note = "ignored: the colours of the vertices; texture = \"mesh\" in the material shows them";
-    Ok(Soup { uvs, notes: ignored.then(|| note.to_owned()).into_iter().collect(), ..soup })
+    Ok(Soup { uvs, notes: ignored.then(|| colors::LEFT_OUT.to_owned()).into_iter().collect(), ..soup })
 }
 
 /// The colours of the vertices as a texture.
@@ -58,23 +60,18 @@ pub(super) fn texture(files: &Files, bytes: &[u8]) -> Checked<Texels> {
         return Err(fault.expected("properties red, green and blue, or the name of an image"));
     }
     let triangles = ply.cut()?.triangles;
-    if triangles.len() > colors::MOST {
-        let fault = Input::new("too many triangles for colours of their vertices").found(triangles.len());
-        return Err(fault.expected(format!("at most {}", colors::MOST)));
-    }
     let colors = triangles.iter().map(|corners| corners.map(|corner| ply.vertices[corner as usize].color));
-    Ok(colors::texture(&colors.collect::<Vec<_>>()))
+    colors::checked(colors)
 }
 
 impl Ply {
     fn read(files: &Files, bytes: &[u8]) -> Checked<Self> {
-        // The parser reads lines as UTF-8; comments may be in any encoding.
-        let end = bytes.windows(10).position(|word| word == b"end_header").unwrap_or(bytes.len());
-        let head = String::from_utf8_lossy(&bytes[..end]);
-        let whole = [head.as_bytes(), &bytes[end..]].concat();
-        let mut reader = Reader::new(whole.as_slice());
-        let header = Parser::<Other>::new().read_header(&mut reader).map_err(|error| fault(&error))?;
-        fits(files, &header, reader.get_ref().len())?;
+        let (head, rest) = halves(bytes);
+        let header = Parser::<Other>::new().read_header(&mut Reader::new(head.as_bytes()));
+        let header = header.map_err(|error| fault(&error))?;
+        fits(files, &header, rest.len())?;
+        let text = if header.encoding == Encoding::Ascii { text_of(rest) } else { Cow::default() };
+        let (mut reader, mut lines) = (Reader::new(rest), Lines::of(&text, head.lines().count()));
         let mut ply = Self { vertices: Vec::new(), faces: Vec::new(), has_uv: false, has_color: false };
         for (name, element) in &header.elements {
             let has = |names: &[&str]| names.iter().all(|name| element.properties.contains_key(*name));
@@ -86,16 +83,16 @@ impl Ply {
                     }
                     ply.has_uv = has(&["u", "v"]) || has(&["s", "t"]) || has(&["texture_u", "texture_v"]);
                     ply.has_color = has(&["red", "green", "blue"]);
-                    ply.vertices = elements(&mut reader, element, &header)?;
+                    ply.vertices = elements(&mut reader, &mut lines, element, &header)?;
                 }
                 "face" => {
                     if !has(&["vertex_indices"]) && !has(&["vertex_index"]) {
                         let fault = Input::new("the faces have no corners").found(properties(element));
                         return Err(fault.expected("a list vertex_indices or vertex_index"));
                     }
-                    ply.faces = elements(&mut reader, element, &header)?;
+                    ply.faces = elements(&mut reader, &mut lines, element, &header)?;
                 }
-                _ => drop(elements::<Other>(&mut reader, element, &header)?),
+                _ => drop(elements::<Other>(&mut reader, &mut lines, element, &header)?),
             }
         }
         Ok(ply)
@@ -160,7 +157,25 @@ fn properties(element: &ElementDef) -> String {
     if names.is_empty() { "no properties".into() } else { names.join(", ") }
 }
 
-fn elements<E: PropertyAccess>(reader: &mut Reader<&[u8]>, element: &ElementDef, header: &Header) -> Checked<Vec<E>> {
+/// The header, with line ends and letters as the parser wants them, and what follows it.
+fn halves(bytes: &[u8]) -> (Cow<'_, str>, &[u8]) {
+    let end = bytes.windows(11).position(|word| matches!(word[0], b'\r' | b'\n') && &word[1..] == b"end_header");
+    let (head, rest) = bytes.split_at(end.map_or(bytes.len(), |end| end + 11));
+    // In a file whose lines end in carriage returns alone, a line feed after the header may be the first number.
+    let alone = !head.contains(&b'\n');
+    let own = rest.iter().position(|byte| *byte == if alone { b'\r' } else { b'\n' });
+    (text_of(head), own.map_or(&[], |own| &rest[own + 1..]))
+}
+
+fn elements<E: PropertyAccess>(
+    reader: &mut Reader<&[u8]>,
+    lines: &mut Lines<'_>,
+    element: &ElementDef,
+    header: &Header,
+) -> Checked<Vec<E>> {
+    if header.encoding == Encoding::Ascii {
+        return lines.elements(element);
+    }
     Parser::<E>::new().read_payload_for_element(reader, element, header).map_err(|error| fault(&error))
 }
 

@@ -104,7 +104,7 @@ fn faults_say_what_and_where() {
             file(&faces("1"), &format!("{three}3 0 1 -1\n")),
             "found a negative number in face 0; expected numbers from 0",
         ),
-        (file(&faces("1"), &format!("{three}3 0 1\n")), "Couldn't read element line; found 3 0 1"),
+        (file(&faces("1"), &format!("{three}3 0 1\n")), "not an element `face`; found 3 0 1; expected vertex_index"),
         (file(&faces("4000000000"), three), "the file is shorter than its header states"),
         (
             file(&faces("1"), "0 0 0\n1 0 1e39\n0 1 0\n3 0 1 2\n"),
@@ -117,6 +117,36 @@ fn faults_say_what_and_where() {
     }
     let text = file(&faces("1"), "0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n");
     assert_eq!(read(&Files::default(), text.as_bytes(), None).expect_err("no number").line, Some(11));
+}
+
+#[test]
+fn numbers_are_written_in_any_way_and_what_is_ignored_cannot_refuse_a_file() {
+    let file = |head: &str, vertices: &str, face: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty double z\n{head}\
+             element face 1\nproperty list uchar int vertex_index\nproperty uchar quality\nend_header\n{vertices}{face}"
+        )
+    };
+    let positions = |text: &str| read(&Files::default(), text.as_bytes(), None).map(|soup| soup.positions);
+    let expected = || vec![DVec3::new(0.5, -0.5, 5.0), DVec3::new(1.0, 100.0, 0.01), DVec3::ZERO];
+    let places = [".5 -.5 5.", "+1 1E+2 1.e-2", "0 -0 +.0"];
+    let normals = "property float nx\nproperty list uchar float more\n";
+    for ignored in ["nan 0", "-1.#IND 1 nan(ind)", "x 2 inf 1e999", "0x1p3 +1.0 ,"] {
+        let vertices: String = places.iter().map(|place| format!("{place} {ignored}\n")).collect();
+        assert_eq!(positions(&file(normals, &vertices, "3.0 0 1.0 +2 none\n")).expect(ignored), expected());
+    }
+    let plain = file("", &(places.join("\n\n  ") + "\n"), "3 0 1 2 0");
+    for text in [plain.replace('\n', "\r\n"), plain.replace('\n', "\r"), plain.replace("end_header", "end_header ")] {
+        assert_eq!(positions(&text).expect("a triangle"), expected(), "{text:?}");
+    }
+    for bad in [".", "+", "1.5e", "nan", "0,5", "1 2", ""] {
+        let fault = positions(&file("", &format!("0 0 0\n1 0 {bad}\n0 1 0\n"), "3 0 1 2 0")).expect_err(bad);
+        assert_eq!(fault.line, Some(12), "{fault}");
+    }
+    for face in ["2.5 0 1 2 0", "3 0 1 2", "-1 0", "3 0 1 0.5 0"] {
+        let fault = positions(&file("", "0 0 0\n1 0 0\n0 1 0\n", face)).expect_err(face);
+        assert_eq!(fault.line, Some(14), "{fault}");
+    }
 }
 
 #[test]

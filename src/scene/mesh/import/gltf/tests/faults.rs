@@ -15,7 +15,7 @@ fn faults_say_what_and_where() {
     };
     let of = |accessor: usize, more: &str| format!(r#""attributes":{{"POSITION":{accessor}}}{more}"#);
     let text = |text: &str| text.as_bytes().to_vec();
-    let uses = |name: &str| text(&format!(r#"{{"asset":{{"version":"2.0"}},"extensionsUsed":["{name}"]}}"#));
+    let uses = |name: &str| text(&format!(r#"{{"asset":{{"version":"2.0"}},"extensionsRequired":["{name}"]}}"#));
     let mesh = r#"{"mesh":0}"#;
     let cases: Vec<(Vec<u8>, &str)> = vec![
         (text(r#"{"asset":{"version":"2.0"}}"#), "the mesh has no faces; found no triangles in the scene"),

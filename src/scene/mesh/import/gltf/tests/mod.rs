@@ -1,6 +1,7 @@
 //! Small files, built here.
 
 mod faults;
+mod lenient;
 mod looks;
 mod shapes;
 

@@ -1,0 +1,24 @@
+//! Paths on the command line: names that are no UTF-8, and pipes.
+
+use std::path::Path;
+
+use clap::builder::{OsStringValueParser, TypedValueParser};
+
+use milkglass::scene::text_of_path;
+
+/// Takes any path as text, also where it is no UTF-8.
+pub(super) fn any_path() -> impl TypedValueParser<Value = String> {
+    OsStringValueParser::new().map(text_of_path)
+}
+
+/// Says what a named pipe is waited for, once; reading it may take for ever.
+pub(super) fn announce_pipe(path: &Path) {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        static SAID: std::sync::Once = std::sync::Once::new();
+        if std::fs::symlink_metadata(path).is_ok_and(|known| known.file_type().is_fifo()) {
+            SAID.call_once(|| tell!("{}: a pipe; waiting until its writer closes it", path.display()));
+        }
+    }
+}
