@@ -45,8 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let kernels = arguments.replace.load()?;
     let fixture: Fixture = fixture(&arguments.fixture)?;
     let device = replaced(&arguments.device.open()?, &kernels)?;
-    let lanes = device.limits().subgroup_size.max(1) as usize;
-    let index = first_step(&fixture, stage.name, lanes)?;
+    let index = first_step(&fixture, stage.name, &device)?;
     let made = index.map(|index| case(&device, &fixture, index)).transpose()?.flatten();
     let Some(case) = made else {
         let fault = Input::new(format!("{} does not run this stage", fixture.name)).found(stage.name);

@@ -64,6 +64,8 @@ pub struct Choices {
     pub subgroup: Option<u32>,
     /// Whether kernels do without shuffles.
     pub no_shuffles: bool,
+    /// Invocations that share a block or a sample, where kernels have them; by the device's kind where there is none.
+    pub lanes: Option<u32>,
     /// How buffers are bound.
     pub descriptors: Descriptors,
     /// Where kernels find what changes from dispatch to dispatch.
@@ -104,9 +106,9 @@ choice!(
 
 choice!(
     Submissions, submissions, "submissions", "how a frame is submitted":
-    Frame = "frame" "recorded anew, one submission",
+    Reused = "reused" "one submission, recorded once for frames that are alike",
+    Frame = "frame" "one submission, recorded anew",
     Step = "step" "recorded anew, one submission a step",
-    Reused = "reused" "recorded once, submitted again",
     Secondary = "secondary" "a secondary command buffer a step",
 );
 
@@ -199,6 +201,17 @@ pub static AXES: &[Axis] = &[
         values: &[
             value!("on", "by subgroupShuffle", no_shuffles = false),
             value!("off", "each invocation loads for itself", no_shuffles = true),
+        ],
+    },
+    Axis {
+        name: "lanes",
+        about: "invocations that share a block, a sample or its receivers",
+        values: &[
+            value!("any", "1 on a processor, else 128", lanes = None),
+            value!("1", "each walks alone", lanes = Some(1)),
+            value!("32", "half a group", lanes = Some(32)),
+            value!("64", "a group", lanes = Some(64)),
+            value!("128", "a group twice as large", lanes = Some(128)),
         ],
     },
     Descriptors::AXIS,

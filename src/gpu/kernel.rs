@@ -1,6 +1,7 @@
 //! A compute kernel: a pipeline made from SPIR-V, and what it binds.
 
 mod layouts;
+mod shape;
 mod subgroups;
 
 use std::cell::RefCell;
@@ -19,9 +20,10 @@ use super::pushed::{BAKED_ID, as_specialization, as_uniform};
 use super::reflect::{Access, Reflected, has_subgroups, reflect, words_of, words_without_subgroups};
 use super::spirv_module::{round_to_nearest, without_rounding};
 use crate::error::{Error, Result};
-use crate::layout::{GROUP_ID, GROUPS_A_ROW, LOCKSTEP_ID};
+use crate::layout::{GROUPS_A_ROW, LOCKSTEP_ID};
 use crate::phases::phase;
 
+use shape::Shape;
 pub(super) use subgroups::words_for;
 
 /// What identifies a kernel.
@@ -58,8 +60,8 @@ pub struct Kernel {
     pub group: u32,
     /// How many of them a group has along its first dimension.
     across: u32,
-    /// The invocations of a group, if the device's choices set them.
-    pub(super) chosen_group: Option<u32>,
+    /// Its groups where the device sets them.
+    pub(super) shape: Shape,
     /// Its counters, if it counts what it does.
     pub(super) meter: Option<Meter>,
     /// The layout of the set of its push constants, where these are a uniform buffer.
@@ -95,9 +97,9 @@ impl Kernel {
         Ok(kernel)
     }
 
-    /// The groups of a dispatch of this many invocations: all in one row where they fit, else rows of equal length.
-    pub(crate) fn grid(&self, invocations: u64) -> [u32; 3] {
-        let groups = invocations.div_ceil(u64::from(self.group));
+    /// The groups of a dispatch of this many items: all in one row where they fit, else rows of equal length.
+    pub(crate) fn grid(&self, items: u64) -> [u32; 3] {
+        let groups = (items * u64::from(self.shape.an_item())).div_ceil(u64::from(self.group));
         let row = u64::from(GROUPS_A_ROW).min(self.device.limits().groups[0].into()).max(1);
         [groups.min(row), groups.div_ceil(row), 1].map(|count| u32::try_from(count).unwrap_or(u32::MAX))
     }
@@ -147,8 +149,8 @@ impl Kernel {
     /// What this SPIR-V says of itself, for these specialization constants; it has no pipeline yet.
     fn described(device: &LogicalDevice, name: &str, words: &[u32], constants: &[u32]) -> Result<Self> {
         let found = reflect(name, words)?;
-        let chosen_group = device.choices().group(name).filter(|_| found.constants.contains_key(&GROUP_ID));
-        let group = chosen_group.unwrap_or(found.group);
+        let shape = Shape::of(device, name, &found);
+        let group = shape.group.unwrap_or(found.group);
         let built = words_of(name).is_ok_and(|own| own == words)
             || words_without_subgroups(name).is_some_and(|own| own == words);
         check(device, &found, group, (constants.len(), built), &format!("preparing kernel {name}"))?;
@@ -165,8 +167,8 @@ impl Kernel {
             push_bytes: found.push_bytes,
             built,
             group,
-            across: chosen_group.unwrap_or(found.across),
-            chosen_group,
+            across: shape.group.unwrap_or(found.across),
+            shape,
             creation: Duration::ZERO,
             meter: None,
             source: None,
@@ -179,7 +181,7 @@ impl Kernel {
         let doing = format!("preparing kernel {}", self.name);
         let device = self.device.clone();
         let choices = device.choices();
-        special.extend(self.chosen_group.map(|size| (GROUP_ID, size)));
+        special.extend(self.shape.constants());
         special.extend((self.asks_lockstep && device.adapter().is_llvmpipe()).then_some((LOCKSTEP_ID, 1)));
         let uniform = choices.constants == Constants::Uniform;
         let words = as_given(&device, if uniform { as_uniform(&words) } else { words });

@@ -1,5 +1,6 @@
 //! Named buffers on a device, and their memory.
 
+use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use ash::vk;
@@ -10,6 +11,12 @@ use super::call::vk_call;
 use super::choices::MemoryKind;
 use super::logical_device::LogicalDevice;
 use crate::error::{Error, Result};
+
+/// Buffers of at most this many bytes lie where host and device both reach them, so that no submission has to copy
+/// what changes from frame to frame or what a frame tells the host.
+const SMALL: u64 = 64 << 10;
+/// Most bytes that the host reads in place where its caches do not hold them.
+const READ_IN_PLACE: u64 = 4 << 10;
 
 /// The number of the next buffer.
 static NEXT: AtomicU64 = AtomicU64::new(0);
@@ -29,6 +36,7 @@ impl Buffer {
     /// Allocates `size` bytes of device memory under this name (at least 4 bytes, so that an empty list can be bound).
     pub fn new(device: &LogicalDevice, name: &str, size: u64) -> Result<Self> {
         let location = match device.choices().memory {
+            MemoryKind::Local if size <= SMALL && device.adapter().offers.local_visible => MemoryLocation::CpuToGpu,
             MemoryKind::Local | MemoryKind::Dedicated => MemoryLocation::GpuOnly,
             MemoryKind::Visible => MemoryLocation::CpuToGpu,
             MemoryKind::Cached => MemoryLocation::GpuToCpu,
@@ -86,6 +94,17 @@ impl Buffer {
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Where the host finds the bytes of a small buffer; none where they have to be copied. No submission may be
+    /// running.
+    pub(super) fn in_place(&self, reads: bool) -> Option<NonNull<u8>> {
+        use vk::MemoryPropertyFlags as Flags;
+        let allocation = self.allocation.as_ref().filter(|_| self.size <= SMALL)?;
+        let kind = allocation.memory_properties();
+        let quick = !reads || self.size <= READ_IN_PLACE || kind.contains(Flags::HOST_CACHED);
+        let seen = kind.contains(Flags::HOST_VISIBLE | Flags::HOST_COHERENT);
+        allocation.mapped_ptr().map(NonNull::cast).filter(|_| seen && quick)
     }
 
     /// The bytes, where the host can see them.

@@ -61,7 +61,7 @@ pub mod window;
 pub use adapter::{Adapter, Ids, Limits};
 pub use allocator::MemoryUse;
 pub(crate) use bind::Binding;
-pub use choices::{AXES, Axis, Cache, Choices, Constants, Optimization, Value};
+pub use choices::{AXES, Axis, Cache, Choices, Constants, Optimization, Submissions, Value};
 pub use device::Device;
 pub use driver_facts::{COUNTERS, STATISTICS, Statistic};
 pub use execution::{EXECUTES, ExecutionCheck};

@@ -29,6 +29,8 @@ pub struct Offers {
     timelines: bool,
     /// The memory types of buffers that are local, visible, and cached.
     memory_types: [Option<usize>; 3],
+    /// Whether some memory is the device's own and seen by the host, too.
+    pub(super) local_visible: bool,
 }
 
 impl Offers {
@@ -89,6 +91,10 @@ impl Offers {
             queues: families.get(family as usize).map_or(0, |family| family.queue_count),
             timelines: timeline.timeline_semaphore == vk::TRUE,
             memory_types: memory_types(memory.memory_types_as_slice()),
+            local_visible: memory
+                .memory_types_as_slice()
+                .iter()
+                .any(|kind| kind.property_flags.contains(LOCAL_VISIBLE)),
         }
     }
 
@@ -126,6 +132,13 @@ impl Offers {
         Some(lack.into())
     }
 }
+
+/// Properties of memory that is the device's own and that the host sees.
+const LOCAL_VISIBLE: vk::MemoryPropertyFlags = vk::MemoryPropertyFlags::from_raw(
+    vk::MemoryPropertyFlags::DEVICE_LOCAL.as_raw()
+        | vk::MemoryPropertyFlags::HOST_VISIBLE.as_raw()
+        | vk::MemoryPropertyFlags::HOST_COHERENT.as_raw(),
+);
 
 /// The first type for each location as the allocator chooses it.
 fn memory_types(types: &[vk::MemoryType]) -> [Option<usize>; 3] {

@@ -1,6 +1,7 @@
 //! Copies between host and device: many ranges of buffers in one submission, through a staging buffer.
 
 use std::ops::Range;
+use std::ptr::NonNull;
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -118,7 +119,14 @@ pub fn upload(device: &LogicalDevice, uploads: &[Upload<'_>]) -> Result<()> {
         .map(|&Upload { buffer, offset, bytes }| BufferRange { buffer, offset, size: bytes.len() as u64 })
         .collect();
     let doing = checked("filling", &ranges)?;
-    let batches = batches(ranges.iter().map(|range| range.size));
+    for Upload { buffer, offset, bytes } in uploads {
+        if let Some(place) = buffer.in_place(false) {
+            // SAFETY: the range lies in the buffer, whose memory is mapped; every submission is waited for.
+            unsafe { place.add(*offset as usize).copy_from_nonoverlapping(NonNull::from(*bytes).cast(), bytes.len()) };
+        }
+    }
+    let copied = |range: &BufferRange<'_>| if range.buffer.in_place(false).is_some() { 0 } else { range.size };
+    let batches = batches(ranges.iter().map(copied));
     if batches.is_empty() {
         return Ok(());
     }
@@ -145,7 +153,16 @@ pub fn download(
     mut take: impl FnMut(Downloaded<'_>),
 ) -> Result<()> {
     let doing = checked("reading", ranges)?;
-    let batches = batches(ranges.iter().map(|range| range.size));
+    for (at, &BufferRange { buffer, offset, size }) in ranges.iter().enumerate() {
+        if let Some(place) = buffer.in_place(true) {
+            // SAFETY: the range lies in the buffer, whose memory is mapped; every submission is waited for, and its
+            // last barrier makes what it wrote visible to the host.
+            let bytes = unsafe { std::slice::from_raw_parts(place.as_ptr().add(offset as usize), size as usize) };
+            take(Downloaded { range: at, offset: 0, bytes });
+        }
+    }
+    let copied = |range: &BufferRange<'_>| if range.buffer.in_place(true).is_some() { 0 } else { range.size };
+    let batches = batches(ranges.iter().map(copied));
     if batches.is_empty() {
         return Ok(());
     }

@@ -138,7 +138,8 @@ buffers! {
     near: u32, batch;
     /// Groups to dispatch for them, then their number; a part is 64 elements for the sake of its offset.
     near_groups: [u32; 3], batch;
-    /// What each block of a batch decided on the way, up to LINK_KEPT - 1: nodes, and how each is taken.
+    /// The first LINK_KEPT - 1 emitters that each block of a batch lists, in the order of its walk, and behind them the
+    /// last node that it visited: nodes, and how each is taken.
     decisions: u32, table;
     /// The blocks' lists, one after the other: nodes.
     entries: u32, batch;

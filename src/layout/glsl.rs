@@ -7,7 +7,8 @@ pub fn declarations() -> String {
     let mut text = String::from(
         "#ifndef LAYOUT\n#define LAYOUT\n#extension GL_EXT_scalar_block_layout : require\n\
          #extension GL_EXT_control_flow_attributes : require\n\
-         #define READS(name) READS_##name\n#define WRITES(name) WRITES_##name\n#define UPDATES(name) UPDATES_##name\n",
+         #define READS(name) READS_##name\n#define WRITES(name) WRITES_##name\n#define UPDATES(name) UPDATES_##name\n\
+         #define SHARES(name) SHARES_##name\n",
     );
     for constant in super::numbers().into_iter().chain(super::kinds()) {
         let _ = writeln!(text, "const {} {} = {};", constant.kind, constant.name, constant.value);
@@ -21,7 +22,9 @@ pub fn declarations() -> String {
     }
     for &slot in super::BUFFER_IDS {
         let (spec, binding) = (slot.spec(), slot as usize);
-        for (word, qualifier) in [("READS", "readonly"), ("WRITES", "writeonly"), ("UPDATES", "")] {
+        for (word, qualifier) in
+            [("READS", "readonly"), ("WRITES", "writeonly"), ("UPDATES", ""), ("SHARES", "coherent")]
+        {
             let _ = writeln!(
                 text,
                 "#define {word}_{name} layout(set = 0, binding = {binding}, scalar) restrict {qualifier} \

@@ -19,6 +19,13 @@ constants! {
     /// The specialization constant that tells a kernel that a subgroup runs in lockstep and needs no barrier, where it
     /// is not 0: kernels with one in a loop give wrong values on llvmpipe of Mesa 25.
     LOCKSTEP_ID: u32 = 101;
+    /// The specialization constant that says how many invocations share an item: 1, or all those of a group.
+    LANES_ID: u32 = 102;
+    /// Invocations that share an item at most.
+    MOST_LANES: u32 = 128;
+    /// The specialization constant that says how many invocations share a receiver: 1, or a group's over
+    /// [`BLOCK_RECEIVERS`].
+    TEAMS_ID: u32 = 103;
     /// Work groups in a row of a dispatch; more need a second dimension.
     GROUPS_A_ROW: u32 = 32_768;
 
@@ -112,6 +119,8 @@ constants! {
     LINK_KEPT: usize = 256;
     /// Lowest bit of a decision's kind; its node is below.
     LINK_SHIFT: u32 = 28;
+    /// Upper levels of a tree that one group takes at most.
+    TOP_LEVELS: usize = 12;
     /// Links of one receiver at most, and emitters that it hands down: more would be more than lavapipe's loops take.
     MOST_PAIRS: usize = 65_000;
     /// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.

@@ -209,6 +209,8 @@ records! { frame_records:
         area: f32,
         /// The first node after its subtree.
         skip: u32,
+        /// Its second child, 0 for a triangle. The record has 32 bytes: two loads.
+        right: u32,
     }
     /// Where a block's lists lie, one after the other.
     Runs {

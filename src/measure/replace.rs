@@ -8,7 +8,7 @@ use super::leaning::blame;
 use crate::error::{Input, Result};
 use crate::gpu::Device;
 use crate::pipeline::frame::owner;
-use crate::state::dispatches;
+use crate::state::{Width, dispatches};
 
 /// The stages of a device's replaced kernels.
 pub fn stages(device: &Device) -> Vec<String> {
@@ -19,10 +19,10 @@ pub fn stages(device: &Device) -> Vec<String> {
 
 /// An error for a replaced kernel that none of these fixtures runs, if there is one.
 pub fn unused(device: &Device, fixtures: &[Fixture]) -> Result<Option<Input>> {
-    let lanes = device.limits().subgroup_size.max(1) as usize;
+    let width = Width::of(device);
     let mut run = BTreeSet::new();
     for fixture in fixtures {
-        run.extend(dispatches(&fixture.state, &fixture.steps, lanes)?.into_iter().map(|dispatch| dispatch.kernel));
+        run.extend(dispatches(&fixture.state, &fixture.steps, width)?.into_iter().map(|dispatch| dispatch.kernel));
     }
     let unused = device.replaced().find(|kernel| !run.contains(*kernel));
     Ok(unused.map(|kernel| {

@@ -9,10 +9,7 @@ use crate::gpu::Timing;
 use crate::layout::BUFFER_IDS;
 use crate::pipeline::frame::precedes_transport;
 use crate::pipeline::plan::{Change, Changes};
-use crate::state::{Dispatch, dispatches};
-
-/// The subgroup size assumed where there is no device.
-const SUBGROUP: usize = 32;
+use crate::state::{Dispatch, Width, dispatches};
 
 impl Session {
     /// Runs the stages before transport on the CPU reference, whatever the session's back end.
@@ -35,10 +32,10 @@ impl Session {
         Ok(times)
     }
 
-    /// The dispatches of a frame after this change; on the CPU, those of a device with subgroups of 32.
+    /// The dispatches of a frame after this change; on the CPU, those of a GPU.
     pub fn dispatches(&self, changes: impl Into<Changes>) -> Result<Vec<Dispatch>> {
-        let lanes = self.limits().map_or(SUBGROUP, |limits| limits.subgroup_size.max(1) as usize);
-        dispatches(self.state(), &self.steps_taken(changes), lanes)
+        let width = self.gpu.as_ref().map_or(Width::GPU, |gpu| Width::of(gpu.device()));
+        dispatches(self.state(), &self.steps_taken(changes), width)
     }
 
     /// Bytes of all buffers of the state.

@@ -4,8 +4,11 @@ use super::device::{Call, DeviceState, Groups};
 use super::trace::{Trace, Traced, Way};
 use super::{Object, Scope, State, Step};
 use crate::error::Result;
-use crate::gpu::{Access, Recorder, Timing, accesses};
-use crate::layout::{BUFFER_IDS, BufferId, Range};
+use crate::gpu::{Access, Device, Recorder, Timing, accesses};
+use crate::layout::{BUFFER_IDS, BufferId, Range, TOP_LEVELS};
+
+/// Clusters of a level up to which a group takes all levels from there to the root.
+const TOP_LEVEL: usize = 256;
 
 /// What a stage records its dispatches with.
 pub struct Pass<'a> {
@@ -21,7 +24,7 @@ pub struct Pass<'a> {
 enum Sink<'a> {
     Device(&'a DeviceState, &'a mut Recorder),
     Part(&'a DeviceState, &'a mut Recorder, OneOf<'a>),
-    List(usize, &'a mut Vec<Dispatch>),
+    List(Width, &'a mut Vec<Dispatch>),
     Trace(&'a DeviceState, &'a mut Trace, Way<'a>),
 }
 
@@ -79,11 +82,35 @@ impl Dispatch {
     }
 }
 
-/// Lists what these steps dispatch on a device of this subgroup size; needs no device.
-pub fn dispatches(state: &State, steps: &[Step], subgroup: usize) -> Result<Vec<Dispatch>> {
+/// A level's part of the state's `order`.
+fn in_order(level: std::ops::Range<u32>) -> Range {
+    Range { first: level.start, count: level.end - level.start }
+}
+
+/// What a device runs at once, as far as dispatches depend on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Width {
+    /// Invocations of a subgroup.
+    pub subgroup: usize,
+    /// Whether it is a processor, of which an invocation is a lane of a vector.
+    pub processor: bool,
+}
+
+impl Width {
+    /// A GPU's, where there is no device to ask.
+    pub const GPU: Self = Self { subgroup: 32, processor: false };
+
+    /// This device's.
+    pub fn of(device: &Device) -> Self {
+        Self { subgroup: device.limits().subgroup_size.max(1) as usize, processor: device.adapter().kind == "cpu" }
+    }
+}
+
+/// Lists what these steps dispatch on a device of this width; needs no device.
+pub fn dispatches(state: &State, steps: &[Step], width: Width) -> Result<Vec<Dispatch>> {
     let mut found = Vec::new();
     for step in steps {
-        let sink = Sink::List(subgroup, &mut found);
+        let sink = Sink::List(width, &mut found);
         (step.stage.gpu)(&mut Pass { state, at: step.at, step: *step, sink })?;
     }
     Ok(found)
@@ -157,13 +184,13 @@ impl<'s> Pass<'s> {
         self.state.object(self.at)
     }
 
-    /// The subgroup size of the device.
-    pub fn subgroup(&self) -> usize {
+    /// What the device runs at once.
+    pub fn width(&self) -> Width {
         match &self.sink {
             Sink::Device(device_state, _) | Sink::Part(device_state, ..) | Sink::Trace(device_state, ..) => {
-                device_state.device().limits().subgroup_size.max(1) as usize
+                Width::of(device_state.device())
             }
-            Sink::List(size, _) => *size,
+            Sink::List(width, _) => *width,
         }
     }
 
@@ -222,10 +249,23 @@ impl<'s> Pass<'s> {
 
     /// Runs the stage's kernel `part` once per level of the tree, children always before their parents.
     pub fn climb(&mut self, part: &str, constants: &[u32]) -> Result<()> {
-        for level in self.object().schedule.upward() {
-            let range = Range { first: level.start, count: level.end - level.start };
-            self.dispatch(Some(part), constants, bytemuck::bytes_of(&range), range.count as usize)?;
-        }
-        Ok(())
+        let levels = self.object().schedule.upward().map(in_order).collect::<Vec<_>>();
+        levels.iter().try_for_each(|level| self.dispatch_level(part, constants, level))
+    }
+
+    /// The same, with the stage's kernel `top` for the levels below the root that have few clusters each.
+    pub fn climb_to_top(&mut self, part: &str, top: &str, constants: &[u32]) -> Result<()> {
+        let levels: Vec<Range> = self.object().schedule.upward().map(in_order).collect();
+        let few = levels.iter().rev().take(TOP_LEVELS).take_while(|level| level.count as usize <= TOP_LEVEL);
+        let (single, upper) = levels.split_at(levels.len() - few.count());
+        single.iter().try_for_each(|level| self.dispatch_level(part, constants, level))?;
+        let mut listed = [Range { first: 0, count: 0 }; TOP_LEVELS];
+        listed[..upper.len()].copy_from_slice(upper);
+        let push = [bytemuck::bytes_of(&(upper.len() as u32)), bytemuck::cast_slice(&listed)].concat();
+        self.dispatch(Some(top), constants, &push, usize::from(!upper.is_empty()))
+    }
+
+    fn dispatch_level(&mut self, part: &str, constants: &[u32], level: &Range) -> Result<()> {
+        self.dispatch(Some(part), constants, bytemuck::bytes_of(level), level.count as usize)
     }
 }

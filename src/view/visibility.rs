@@ -58,7 +58,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     // Where triangles are much smaller than pixels, neighbouring rays have few in common.
     let dense = faces > MOST_FACES * pass.state.data.hits.len();
     // Tiles of two rows, in teams.
-    let team = if dense { 1 } else { team(pass.subgroup()) };
+    let team = if dense { 1 } else { team(pass.width().subgroup) };
     let (width, height) =
         (camera.width.next_multiple_of((team / 2).max(1)), camera.height.next_multiple_of(team.min(2)));
     pass.dispatch(None, &[team], &[], width as usize * height as usize)

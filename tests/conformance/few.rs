@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use crate::devices::on_devices_each;
 use milkglass::internals::gpu::sources;
-use milkglass::internals::state::dispatches;
+use milkglass::internals::state::{Width, dispatches};
 use milkglass::measure::conform::conform;
 use milkglass::measure::fixtures::made;
 
@@ -38,7 +38,7 @@ fn every_kernel_conforms() {
     assert_eq!(fixtures.len(), FEW.len());
     let run: BTreeSet<String> = fixtures
         .iter()
-        .flat_map(|fixture| dispatches(&fixture.state, &fixture.steps, 8).unwrap())
+        .flat_map(|fixture| dispatches(&fixture.state, &fixture.steps, Width { subgroup: 8, processor: true }).unwrap())
         .map(|dispatch| dispatch.kernel)
         .collect();
     for name in sources().filter(|name| !name.ends_with(".glsl") && !name.starts_with("measure/")) {

@@ -4,7 +4,7 @@ use crate::devices::layer;
 use crate::shell::{folder, program, said};
 use milkglass::error::Error;
 use milkglass::internals::gpu::faults::on_idle;
-use milkglass::internals::gpu::{Device, EXECUTES, Instance};
+use milkglass::internals::gpu::{Choices, Device, EXECUTES, Instance, Submissions};
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
@@ -24,7 +24,9 @@ fn a_device_that_executes_nothing_is_refused() {
         refused(on_idle(|_| true, || Device::open(&instance, adapter)).err().unwrap());
         // From the second frame on, every dispatch is lost, or only the last one.
         for lost in [(|_| true) as fn(&str) -> bool, |kernel| kernel == EXECUTES] {
-            let device = Device::open(&instance, adapter).unwrap();
+            // Frames are recorded anew: what is lost is lost there.
+            let anew = Choices { submissions: Submissions::Frame, ..Choices::default() };
+            let device = Device::open_as(&instance, adapter, &anew).unwrap();
             let mut session = Session::new(&scene, Some(&device), Options::default()).unwrap();
             session.frame(Change::EVERYTHING).unwrap();
             refused(on_idle(lost, || session.frame(Change::EVERYTHING)).unwrap_err());

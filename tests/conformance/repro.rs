@@ -13,8 +13,7 @@ use milkglass::measure::repro::{Case, Part};
 fn all(fixture: &Fixture, done: &mut BTreeSet<&'static str>, check: impl Fn(&Case)) {
     on_devices(|device| {
         for stage in STAGES.iter().filter(|stage| !done.contains(stage.name)) {
-            let lanes = device.limits().subgroup_size as usize;
-            let Some(index) = first_step(fixture, stage.name, lanes).unwrap() else { continue };
+            let Some(index) = first_step(fixture, stage.name, device).unwrap() else { continue };
             let Some(case) = case(device, fixture, index).unwrap() else { continue };
             assert!(!case.about.fails, "{}: {:?}", stage.name, case.about);
             let found = case.replay(device, 2).unwrap();
@@ -64,8 +63,7 @@ fn a_case_repeats_what_a_step_does() {
 fn indirect_dispatches_become_direct() {
     on_devices(|device| {
         let fixture = fixture("sphere with holes").unwrap();
-        let lanes = device.limits().subgroup_size as usize;
-        let index = first_step(&fixture, "gather", lanes).unwrap().unwrap();
+        let index = first_step(&fixture, "gather", device).unwrap().unwrap();
         let case = case(device, &fixture, index).unwrap().unwrap();
         let edge = case.dispatches.iter().find(|dispatch| dispatch.kernel.ends_with("/edge")).unwrap();
         assert!(edge.groups[0] > 0 && edge.groups.iter().all(|count| *count < 10_000), "{:?}", edge.groups);

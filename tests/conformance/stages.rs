@@ -12,7 +12,7 @@ use milkglass::internals::layout::{BUFFER_IDS, BufferId};
 use milkglass::internals::pipeline::frame::{STAGES, owner};
 use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::internals::session::run::{CapacityHints, Session};
-use milkglass::internals::state::dispatches;
+use milkglass::internals::state::{Width, dispatches};
 use milkglass::measure::conform::{Plant, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, covered, fixture, fixtures};
 use milkglass::measure::leaning::blame;
@@ -229,7 +229,8 @@ mod rare {
         order.sort_by_key(|&k| list[k].state.data.triangles.len());
         let mut kernels: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for k in order {
-            for dispatch in dispatches(&list[k].state, &list[k].steps, 8).unwrap() {
+            for dispatch in dispatches(&list[k].state, &list[k].steps, Width { subgroup: 8, processor: true }).unwrap()
+            {
                 let known = kernels.entry(dispatch.kernel).or_default();
                 if known.last() != Some(&k) {
                     known.push(k);

@@ -8,7 +8,7 @@ use super::sink::Sink;
 use super::{dumps, unfinished};
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::Device;
-use milkglass::internals::state::dispatches;
+use milkglass::internals::state::{Width, dispatches};
 use milkglass::measure::conform::{Event, conform_told};
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::leaning::blame;
@@ -28,8 +28,8 @@ pub(super) fn run(
     for choice in choices {
         let fixture = choice.make(arguments)?;
         if !kernels.is_empty() {
-            let lanes = open[0].limits().subgroup_size.max(1) as usize;
-            run.extend(dispatches(&fixture.state, &fixture.steps, lanes)?.into_iter().map(|found| found.kernel));
+            let width = Width::of(&open[0]);
+            run.extend(dispatches(&fixture.state, &fixture.steps, width)?.into_iter().map(|found| found.kernel));
         }
         for device in open {
             match (arguments.unfinished, &arguments.dump) {

@@ -12,8 +12,7 @@ use milkglass::measure::repro::trace::{case, first_step};
 /// Writes a folder for this row, and says what it holds.
 pub(super) fn write((folder, least): (&Path, bool), fixture: &Fixture, device: &Device, row: &Row) -> Result<()> {
     // Where only the mean is off, no step is beyond tolerance: the first one.
-    let lanes = device.limits().subgroup_size.max(1) as usize;
-    let step = row.failed.map_or_else(|| first_step(fixture, row.stage, lanes), |step| Ok(Some(step)))?;
+    let step = row.failed.map_or_else(|| first_step(fixture, row.stage, device), |step| Ok(Some(step)))?;
     let Some(case) = step.map(|step| case(device, fixture, step)).transpose()?.flatten() else { return Ok(()) };
     made(folder)?;
     let own = folder.join(name(row.stage, &row.fixture, device.name()));

@@ -1,11 +1,11 @@
 //! Which of a kernel's modules a device gets: the one that shares values in subgroups, or the one that does without.
 
+use super::shape::Shape;
 use crate::error::Result;
 use crate::gpu::choices::Optimization;
 use crate::gpu::logical_device::LogicalDevice;
 use crate::gpu::reflect::{has_subgroups, reflect, words_of, words_without_subgroups};
 use crate::gpu::replace::compiled;
-use crate::layout::GROUP_ID;
 
 impl LogicalDevice {
     /// Whether a kernel whose groups have this many invocations in a row gets full subgroups, and may shuffle in them:
@@ -24,8 +24,7 @@ pub(in super::super) fn words_for(device: &LogicalDevice, name: &str) -> Result<
     let words = words_of(name)?;
     let across = || -> Result<u32> {
         let found = reflect(name, &words)?;
-        let chosen = device.choices().group(name).filter(|_| found.constants.contains_key(&GROUP_ID));
-        Ok(chosen.unwrap_or(found.across))
+        Ok(Shape::of(device, name, &found).group.unwrap_or(found.across))
     };
     let alone = has_subgroups(&words) && !device.grants_full_subgroups(across()?);
     match (alone, device.choices().optimization) {

@@ -12,7 +12,7 @@ use crate::layout::{BUFFER_IDS, BufferId, Number};
 use crate::measure::conform::poison;
 use crate::measure::fixtures::Fixture;
 use crate::measure::rules::Rules;
-use crate::state::{DeviceState, State, Step, Tolerance, Trace, Traced};
+use crate::state::{DeviceState, State, Step, Tolerance, Trace, Traced, Width};
 
 /// A step of a fixture before anything runs.
 pub(super) struct Begun {
@@ -72,10 +72,10 @@ pub fn case(device: &Device, fixture: &Fixture, index: usize) -> Result<Option<C
     if case.about.fails { Ok(Some(case)) } else { together(case, |case| case.run(device)).map(Some) }
 }
 
-/// The index of the first step of this stage that dispatches something.
-pub fn first_step(fixture: &Fixture, stage: &str, lanes: usize) -> Result<Option<usize>> {
+/// The index of the first step of this stage that dispatches something on a device.
+pub fn first_step(fixture: &Fixture, stage: &str, device: &Device) -> Result<Option<usize>> {
     for (index, step) in fixture.steps.iter().enumerate().filter(|(_, step)| step.stage.name == stage) {
-        if !crate::state::dispatches(&fixture.state, &[*step], lanes)?.is_empty() {
+        if !crate::state::dispatches(&fixture.state, &[*step], Width::of(device))?.is_empty() {
             return Ok(Some(index));
         }
     }

@@ -167,7 +167,8 @@ fn cpu(state: &mut State, at: Scope) {
             of_light
         };
         let [x, y, z] = center;
-        let mut emitter = Emitter { place: [x, y, z, -1e9], accept: 0.0, area: 0.0, skip };
+        let right = if skip as usize == node + 1 { 0 } else { data.topology[node + 1].skip };
+        let mut emitter = Emitter { place: [x, y, z, -1e9], accept: 0.0, area: 0.0, skip, right };
         let mut expands = [0.0; 4];
         if strength > 0.0 {
             let (weight, tau) = (f64::from(strength).log2(), trace.max(1e-30).log2());

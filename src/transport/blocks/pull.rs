@@ -112,5 +112,5 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (lead, order) = (pass.object().groups[pass.at.group].lead, pass.state.moment_order(pass.at));
     let lead = if pass.object().solves() { NONE } else { lead };
     pass.dispatch(Some("leaf"), &[lead], &[], pass.object().count.faces)?;
-    pass.climb("cluster", &[order])
+    pass.climb_to_top("cluster", "top", &[order])
 }

@@ -71,7 +71,8 @@ void main() {
     if (node >= object_params[0].nodes) return;
     Source source = source_of(node);
     uint skip = topology[node].skip;
-    Emitter emitter = Emitter(vec4(source.center, -1e9), 0, 0, skip);
+    uint right = skip == node + 1 ? 0 : topology[node + 1].skip;
+    Emitter emitter = Emitter(vec4(source.center, -1e9), 0, 0, skip, right);
     vec4 expand = vec4(0);
     if (source.strength > 0.0) {
         float weight = log2(source.strength), tau = log2(max(source.trace, 1e-30));

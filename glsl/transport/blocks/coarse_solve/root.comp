@@ -17,8 +17,15 @@ shared vec3 sums[GROUP_SIZE];
 void main() {
     uint self = gl_LocalInvocationIndex;
     // Relative to the largest value and the mean area, so that squares neither overflow nor underflow.
-    vec3 most = vec3(1e-30);
-    for (uint k = 0; k < COARSE_SAMPLES; ++k) most = max(most, samples[k].value);
+    sums[self] = vec3(1e-30);
+    for (uint k = self; k < COARSE_SAMPLES; k += GROUP_SIZE) sums[self] = max(sums[self], samples[k].value);
+    barrier();
+    for (uint step = GROUP_SIZE / 2; step > 0; step /= 2) {
+        if (self < step) sums[self] = max(sums[self], sums[self + step]);
+        barrier();
+    }
+    vec3 most = sums[0];
+    barrier();
     float mean = clusters[0].area / float(object_params[0].faces);
     vec3 sum = vec3(0);
     for (uint k = self; k < COARSE_SAMPLES; k += GROUP_SIZE) {

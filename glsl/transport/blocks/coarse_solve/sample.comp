@@ -1,7 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
 // The coarse solution at a few receivers: one half evenly among the triangles, one half by the light.
 layout(constant_id = 0) const uint CHANNELS = 7;
@@ -15,8 +14,10 @@ WRITES(samples)
 #include "dipole/near.glsl"
 #include "dipole/derivatives.glsl"
 #include "transport/blocks/channels.glsl"
+#include "transport/blocks/share.glsl"
 
 const uint HALF = COARSE_SAMPLES / 2;
+const uint COARSE_RUN = 16; // clusters that are summed by themselves
 
 // The triangle at this share of the light: decisions, so exact.
 uint by_light(uint k) {
@@ -33,42 +34,101 @@ uint by_light(uint k) {
     return node;
 }
 
-void main() {
-    uint k = invocation();
-    if (k >= COARSE_SAMPLES) return;
-    uint even = min(uint((float(k) + 0.5) * (1.0 / float(HALF)) * float(object_params[0].faces)), object_params[0].faces - 1);
-    uint leaf = k < HALF ? leaves[even] : by_light(k - HALF);
-    vec3 x = clusters[leaf].center;
-    float whole = moments[0].weight;
-    float light = whole > 0.0 ? moments[leaf].weight / whole : 0.0;
+vec3 x; // where the sample is
+vec3 plane; // what the whole plane would give
+Dipole dipoles[3];
 
-    vec3 plane = 6.2831853 * object_params[0].strength * object_params[0].tint *
-        (exp(-object_params[0].sigma * object_params[0].z_real) + exp(-object_params[0].sigma * object_params[0].z_virtual));
-    Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
-    vec3 sum = vec3(0);
-    uint node = 0, end = object_params[0].nodes;
+// Whether a node is far enough to be taken as one.
+bool is_far(Moment m, float coarse) {
+    precise float reach2 = coarse * coarse;
+    return distance2(x, m.center) >= reach2;
+}
+
+// What a cluster sends, or a triangle that is not far.
+vec3 sent(uint node, Moment m, SecondMoments s, bool far) {
+    vec3 d = x - m.center, sum = vec3(0);
+    float d2 = dot(d, d), tau = s.diagonal.x + s.diagonal.y + s.diagonal.z;
+    float along = dot(s.diagonal, d * d) + 2.0 * dot(s.mixed, d.yzx * d.zxy);
+    float area = far ? 1.0 : max(clusters[node].area, 1e-30);
+    EACH_CHANNEL({
+        vec3 p = profile_derivatives(dipoles[c], d2);
+        float value = m.weight * (far ? p.x + 0.5 * (p.y * tau + p.z * along) : p.x);
+        // No triangle gives more than the whole plane would.
+        sum[c] = far ? value : min(value, plane[c] * m.weight / area);
+    })
+    return sum;
+}
+
+uint visit(uint node, out uint word) {
+    // All is loaded at once, what is behind the node, too.
+    uint skip = topology[node].skip, right = topology[min(node + 1, object_params[0].nodes - 1)].skip;
+    Moment m = moments[node];
+    bool far = is_far(m, second_moments[node].coarse), opens = m.weight > 0.0 && !far && skip != node + 1;
+    word = m.weight > 0.0 && !opens ? node << 1 | uint(far) : NONE;
+    return opens ? right : 0;
+}
+
+// The sum over the tree: of each run of COARSE_RUN clusters by itself, then of these sums, so that runs may be summed
+// at once.
+vec3 sum_alone() {
+    vec3 sum = vec3(0), run = vec3(0);
+    uint node = 0, end = object_params[0].nodes, count = 0;
     while (node < end) {
         Moment m = moments[node];
         SecondMoments s = second_moments[node];
         uint skip = topology[node].skip;
-        bool lit = m.weight > 0.0, leaf_here = skip == node + 1;
-        float d2 = distance2(x, m.center);
-        precise float reach2 = s.coarse * s.coarse;
-        bool far = d2 >= reach2;
-        if (lit && (far || leaf_here)) {
-            vec3 d = x - m.center;
-            float tau = s.diagonal.x + s.diagonal.y + s.diagonal.z;
-            float along = dot(s.diagonal, d * d) + 2.0 * dot(s.mixed, d.yzx * d.zxy);
-            EACH_CHANNEL({
-                vec3 p = profile_derivatives(dipoles[c], d2);
-                float value = m.weight * (far ? p.x + 0.5 * (p.y * tau + p.z * along) : p.x);
-                // No triangle gives more than the whole plane would.
-                float area = leaf_here ? max(clusters[node].area, 1e-30) : 1.0;
-                sum[c] += far ? value : min(value, plane[c] * m.weight / area);
-            })
+        bool far = is_far(m, s.coarse), lit = m.weight > 0.0, opens = lit && !far && skip != node + 1;
+        if (lit && !opens) {
+            run += sent(node, m, s, far);
+            ++count;
+            bool full = count == COARSE_RUN;
+            sum += full ? run : vec3(0);
+            run = full ? vec3(0) : run;
+            count = full ? 0 : count;
         }
-        node = lit && !far && !leaf_here ? node + 1 : skip;
+        node = opens ? node + 1 : skip;
     }
+    return sum + run;
+}
+
+shared vec3 run_sums[POOL / COARSE_RUN + 1];
+
+// The same for the first invocation of the group.
+vec3 sum_together() {
+    uint self = gl_LocalInvocationIndex;
+    bool cut;
+    if (!walk_together(cut)) return self == 0 ? sum_alone() : vec3(0);
+    uint total = found_count, runs = (total + COARSE_RUN - 1) / COARSE_RUN;
+    sort_found(total);
+    for (uint run = self; run < runs; run += LANES) {
+        vec3 sum = vec3(0);
+        uint last = min((run + 1) * COARSE_RUN, total);
+        for (uint k = run * COARSE_RUN; k < last; ++k) {
+            uint node = found(k) >> 1;
+            sum += sent(node, moments[node], second_moments[node], (found(k) & 1) != 0);
+        }
+        run_sums[run] = sum;
+    }
+    barrier();
+    vec3 sum = vec3(0);
+    if (self == 0) for (uint run = 0; run < runs; ++run) sum += run_sums[run];
+    return sum;
+}
+
+void main() {
+    uint k = item();
+    if (k >= COARSE_SAMPLES) return;
+    uint even = min(uint((float(k) + 0.5) * (1.0 / float(HALF)) * float(object_params[0].faces)), object_params[0].faces - 1);
+    uint leaf = k < HALF ? leaves[even] : by_light(k - HALF);
+    x = clusters[leaf].center;
+    float whole = moments[0].weight;
+    float light = whole > 0.0 ? moments[leaf].weight / whole : 0.0;
+
+    plane = 6.2831853 * object_params[0].strength * object_params[0].tint *
+        (exp(-object_params[0].sigma * object_params[0].z_real) + exp(-object_params[0].sigma * object_params[0].z_virtual));
+    dipoles = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
+    vec3 sum = LANES == 1 ? sum_alone() : sum_together();
+    if (LANES > 1 && gl_LocalInvocationIndex > 0) return;
     float chance = 0.5 / float(object_params[0].faces) + 0.5 * light;
     float area = clusters[leaf].area, mean = clusters[0].area / float(object_params[0].faces);
     // One factor after the other, so that nothing leaves the range of f32.

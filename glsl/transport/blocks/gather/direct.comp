@@ -4,9 +4,11 @@
 #include "layout.glsl"
 #include "shuffle.glsl"
 
-// Emitters too near to be expanded, each at every receiver of the block. One invocation a receiver; as many emitters
-// are loaded at once as invocations share a block, one each, and shuffled.
+// Emitters too near to be expanded, each at every receiver of the block. As many emitters are loaded at once as
+// neighbouring invocations share a block, one each, and shuffled. Each run of DIRECT_RUN emitters is summed by itself,
+// then these sums are, in their order: so runs may be summed at once.
 layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
+layout(constant_id = TEAMS_ID) const uint TEAMS = 1; // invocations that share a receiver: 1, or the group has one block
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
 layout(constant_id = 2) const uint ESTIMATE = 0;
@@ -27,41 +29,89 @@ UPDATES(estimate)
 #include "transport/blocks/estimate.glsl"
 #include "transport/blocks/gather/receiver.glsl"
 
-void main() {
-    Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
-    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint place = group * gl_WorkGroupSize.x + lane();
-    Receiver self = receiver_at(place);
-    uint width = sharing();
+const uint DIRECT_RUN = 16; // emitters that are summed by themselves
+const uint DIRECT_RUNS = 8; // such runs that a group sums at once
+
+Dipole dipoles[3];
+// Of one receiver.
+vec3 sum, error;
+
+// Adds an emitter to them, for a receiver in this direction from it.
+void add(ClusterMoments m, vec3 d) {
+    float d2 = dot(d, d);
+    float half_tau = ORDER == 2 ? 0.5 * (m.diagonal.x + m.diagonal.y + m.diagonal.z) : 0.0;
+    float half_along = ORDER == 2 ? 0.5 * dot(m.diagonal, d * d) + dot(m.mixed, d.yzx * d.zxy) : 0.0;
+    EACH_CHANNEL({
+        sum[c] += m.weight * link_value(dipoles[c], d2, half_tau, half_along);
+        if (ESTIMATE != 0) {
+            vec3 p = m.weight * profile_derivatives(dipoles[c], d2);
+            float unit = unit_chi(p, d2, dipoles[c].z2.x);
+            error[c] += missed_moments(ORDER, dipoles[c].sigma, p, unit, m.diagonal.x + m.diagonal.y + m.diagonal.z);
+        }
+    })
+}
+
+// Adds as many emitters of the list, from this one on, as are loaded at once.
+void add_some(vec3 x, uint first, uint at, uint count, uint width) {
     uint mine = SUBGROUP_LANE % width, base = SUBGROUP_LANE - mine;
+    ClusterMoments load = cluster_moments(entries[first + min(at + mine, count - 1)]);
+    uint last = min(width, count - at);
+    for (uint k = 0; k < last; ++k) {
+        uint from = base + k;
+        ClusterMoments m;
+        m.weight = shuffled(load.weight, from);
+        // Lists that serve any light contain dark emitters.
+        if (ANY_LIGHT != 0 && m.weight == 0.0) continue;
+        m.center = shuffled(load.center, from);
+        m.diagonal = shuffled(load.diagonal, from);
+        m.mixed = shuffled(load.mixed, from);
+        add(m, x - m.center);
+    }
+}
+
+shared vec3 sums[DIRECT_RUNS * BLOCK_RECEIVERS], errors[DIRECT_RUNS * BLOCK_RECEIVERS];
+
+void main() {
+    dipoles = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    uint slot = lane() % BLOCK_RECEIVERS, team = lane() / BLOCK_RECEIVERS, width = sharing();
+    Receiver self = receiver_at(TEAMS == 1 ? group * gl_WorkGroupSize.x + lane() : group * BLOCK_RECEIVERS + slot);
     Runs run = runs[self.run];
     uint first = run.first + run.expanded, count = run.direct;
-    vec3 sum = vec3(0), error = vec3(0);
-    for (uint at = 0; at < count; at += width) {
-        ClusterMoments load = cluster_moments(entries[first + min(at + mine, count - 1)]);
-        uint last = min(width, count - at);
-        for (uint k = 0; k < last; ++k) {
-            uint from = base + k;
-            float weight = shuffled(load.weight, from);
-            // Lists that serve any light contain dark emitters.
-            if (ANY_LIGHT != 0 && weight == 0.0) continue;
-            vec3 center = shuffled(load.center, from);
-            vec3 diagonal = shuffled(load.diagonal, from), mixed = shuffled(load.mixed, from);
-            vec3 d = self.x - center;
-            float d2 = dot(d, d);
-            float half_tau = ORDER == 2 ? 0.5 * (diagonal.x + diagonal.y + diagonal.z) : 0.0;
-            float half_along = ORDER == 2 ? 0.5 * dot(diagonal, d * d) + dot(mixed, d.yzx * d.zxy) : 0.0;
-            EACH_CHANNEL({
-                sum[c] += weight * link_value(dipoles[c], d2, half_tau, half_along);
-                if (ESTIMATE != 0) {
-                    vec3 p = weight * profile_derivatives(dipoles[c], d2);
-                    float unit = unit_chi(p, d2, dipoles[c].z2.x);
-                    error[c] += missed_moments(ORDER, dipoles[c].sigma, p, unit, diagonal.x + diagonal.y + diagonal.z);
-                }
-            })
+    vec3 all = vec3(0), all_errors = vec3(0);
+    sum = vec3(0);
+    error = vec3(0);
+    if (TEAMS == 1) {
+        for (uint at = 0; at < count; at += width) {
+            add_some(self.x, first, at, count, width);
+            if ((at + width) % DIRECT_RUN == 0 || at + width >= count) {
+                all += sum;
+                all_errors += error;
+                sum = vec3(0);
+                error = vec3(0);
+            }
         }
+    } else {
+        // The group has one block, so that all of it comes to each barrier.
+        for (uint begin = 0; begin < count; begin += DIRECT_RUNS * DIRECT_RUN) {
+            for (uint k = team; k < DIRECT_RUNS; k += TEAMS) {
+                uint from = begin + k * DIRECT_RUN, to = min(from + DIRECT_RUN, count);
+                sum = vec3(0);
+                error = vec3(0);
+                for (uint at = from; at < to; at += width) add_some(self.x, first, at, to, width);
+                sums[k * BLOCK_RECEIVERS + slot] = sum;
+                if (ESTIMATE != 0) errors[k * BLOCK_RECEIVERS + slot] = error;
+            }
+            barrier();
+            for (uint k = 0; k < DIRECT_RUNS && begin + k * DIRECT_RUN < count; ++k) {
+                all += sums[k * BLOCK_RECEIVERS + slot];
+                if (ESTIMATE != 0) all_errors += errors[k * BLOCK_RECEIVERS + slot];
+            }
+            barrier();
+        }
+        if (team > 0) return;
     }
     if (!self.present) return;
-    received[self.face] = only_group(sum, received[self.face]);
-    if (ESTIMATE != 0) estimate[self.face] = only_group(error, estimate[self.face]);
+    received[self.face] = only_group(all, received[self.face]);
+    if (ESTIMATE != 0) estimate[self.face] = only_group(all_errors, estimate[self.face]);
 }

@@ -1,29 +1,81 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
 // How long each block's lists will be, and what is in them, in the order of the walk.
 UPDATES(runs)
 UPDATES(counters)
 WRITES(decisions)
+#include "transport/blocks/share.glsl"
 #include "transport/blocks/link/walk.glsl"
+
+const uint KIND_BITS = 3; // of a decision whose kind is below its node
 
 uint count[LINK_KINDS] = uint[LINK_KINDS](0, 0, 0, 0, 0, 0);
 uint first, kept = 0;
 void on_emitter(uint kind, uint node) {
     // What is not kept is overwritten by what follows.
     decisions[first + min(kept, LINK_KEPT - 1)] = kind << LINK_SHIFT | node;
-    kept += uint(kind != LINK_DROPPED && kind != LINK_OPENED);
+    kept += uint(listed(kind));
     for (uint k = 0; k < LINK_KINDS; ++k) count[k] += uint(kind == k);
 }
 
+Seen block;
+uint last = 0;
+uint visit(uint node, out uint word) {
+    Emitter e = emitters[node];
+    uint kind = kind_of(block, node, e);
+    for (uint k = 0; k < LINK_KINDS; ++k) count[k] += uint(kind == k);
+    // By nodes, as a walk alone meets them.
+    uint by_node = node << KIND_BITS | kind;
+    last = max(last, by_node);
+    word = listed(kind) ? by_node : NONE;
+    return kind == LINK_OPENED ? e.right : 0;
+}
+
+uint decision(uint by_node) { return (by_node & (1u << KIND_BITS) - 1) << LINK_SHIFT | by_node >> KIND_BITS; }
+
+shared uint counts[LINK_KINDS];
+shared uint last_of_all;
+
+// A block's walk by the group; `count` is the whole block's afterwards.
+void together(uint number) {
+    uint self = gl_LocalInvocationIndex;
+    if (self < LINK_KINDS) counts[self] = 0;
+    if (self == 0) last_of_all = 0;
+    block = seen(number);
+    bool cut, noted = walk_together(cut);
+    if (cut) counters[0].unfinished = 1;
+    for (uint k = 0; k < LINK_KINDS; ++k) if (count[k] > 0) atomicAdd(counts[k], count[k]);
+    atomicMax(last_of_all, last);
+    uint total = found_count;
+    barrier();
+    if (noted) sort_found(total);
+    for (uint k = 0; k < LINK_KINDS; ++k) count[k] = counts[k];
+    if (noted) {
+        for (uint k = self; k < min(total, LINK_KEPT - 1); k += LANES) decisions[first + k] = decision(found(k));
+    } else if (self == 0) {
+        // Not all was noted. The first ones are found alone.
+        for (uint node = 0; kept < min(total, LINK_KEPT - 1);) {
+            Emitter e = emitters[node];
+            uint kind = kind_of(block, node, e);
+            if (listed(kind)) decisions[first + kept++] = kind << LINK_SHIFT | node;
+            node = kind == LINK_OPENED ? node + 1 : e.skip;
+        }
+    }
+    // As alone, where what is not kept is overwritten by what follows.
+    bool ends_listed = listed(last_of_all & (1u << KIND_BITS) - 1);
+    if (self == 0 && (!ends_listed || total >= LINK_KEPT)) decisions[first + min(total, LINK_KEPT - 1)] = decision(last_of_all);
+}
+
 void main() {
-    uint i = invocation();
+    uint i = item();
     if (i >= range.count) return;
     first = i * LINK_KEPT;
-    bool whole = walk(range.first + i, 0);
-    if (!whole || count[LINK_DIRECT] > MOST_DIRECT) counters[0].unfinished = 1;
+    if (LANES > 1) together(range.first + i);
+    else if (!walk(range.first + i, 0)) counters[0].unfinished = 1;
+    if (LANES > 1 && gl_LocalInvocationIndex > 0) return;
+    if (count[LINK_DIRECT] > MOST_DIRECT) counters[0].unfinished = 1;
     runs[i] = Runs(0, count[LINK_EXPANDED], count[LINK_DIRECT], count[LINK_AREA],
                    count[LINK_EDGE], count[LINK_DROPPED]);
 }

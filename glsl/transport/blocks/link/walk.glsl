@@ -10,8 +10,6 @@ READS(emitters)
 READS(expansion_distances)
 layout(push_constant, scalar) uniform push_block { Range range; };
 
-void on_emitter(uint kind, uint node);
-
 // Whether the squared distance is at least (reach + radius)^2; a reach far below 0 is always passed.
 bool beyond(float d2, float reach, float radius) {
     precise float sum = max(0.0, reach + radius);
@@ -19,22 +17,39 @@ bool beyond(float d2, float reach, float radius) {
     return d2 >= sum2;
 }
 
-// From this node on. False where the driver has cut the loop short.
-bool walk(uint block, uint node) {
+// A block as a walk sees it.
+struct Seen { Sphere sphere; uint size_class; bool expandable; };
+
+Seen seen(uint block) {
     Sphere sphere = spheres[block];
     // A class for the block's spread; beyond the last nothing is expanded.
     uint size_class = uint(sphere.relative_moment > BLOCK_CLASSES[0]) + uint(sphere.relative_moment > BLOCK_CLASSES[1]) +
-                        uint(sphere.relative_moment > BLOCK_CLASSES[2]);
-    bool expandable = sphere.relative_moment <= BLOCK_CLASSES[3];
+                      uint(sphere.relative_moment > BLOCK_CLASSES[2]);
+    return Seen(sphere, size_class, sphere.relative_moment <= BLOCK_CLASSES[3]);
+}
+
+// How the block takes a node.
+uint kind_of(Seen block, uint node, Emitter e) {
+    float d2 = distance2(block.sphere.center, e.place.xyz), radius = block.sphere.radius;
+    bool leaf = e.skip == node + 1;
+    uint near = leaf ? (beyond(d2, e.area, radius) ? LINK_AREA : LINK_EDGE) : LINK_OPENED;
+    return beyond(d2, e.place.w, radius) ? LINK_DROPPED
+         : block.expandable && beyond(d2, expansion_distances[node][block.size_class], radius) ? LINK_EXPANDED
+         : beyond(d2, e.accept, radius) ? LINK_DIRECT : near;
+}
+
+// Whether a list has what is taken so.
+bool listed(uint kind) { return kind != LINK_DROPPED && kind != LINK_OPENED; }
+
+void on_emitter(uint kind, uint node);
+
+// One invocation's walk, from this node on. False where the driver has cut the loop short.
+bool walk(uint number, uint node) {
+    Seen block = seen(number);
     uint end = object_params[0].nodes;
     while (node < end) {
         Emitter e = emitters[node];
-        float d2 = distance2(sphere.center, e.place.xyz);
-        bool leaf = e.skip == node + 1;
-        uint near = leaf ? (beyond(d2, e.area, sphere.radius) ? LINK_AREA : LINK_EDGE) : LINK_OPENED;
-        uint kind = beyond(d2, e.place.w, sphere.radius) ? LINK_DROPPED
-                  : expandable && beyond(d2, expansion_distances[node][size_class], sphere.radius) ? LINK_EXPANDED
-                  : beyond(d2, e.accept, sphere.radius) ? LINK_DIRECT : near;
+        uint kind = kind_of(block, node, e);
         on_emitter(kind, node);
         node = kind == LINK_OPENED ? node + 1 : e.skip;
     }

@@ -1,32 +1,85 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
 // Writes each block's lists where the scan placed them, from what `count` kept, and by another walk beyond that.
 READS(runs)
 READS(counters)
 READS(decisions)
 WRITES(entries)
+#include "transport/blocks/share.glsl"
 #include "transport/blocks/link/walk.glsl"
 
 uint at[LINK_KINDS];
 void on_emitter(uint kind, uint node) {
     uint place = 0;
     for (uint k = LINK_EXPANDED; k <= LINK_EDGE; ++k) place = kind == k ? at[k] : place;
-    if (kind != LINK_DROPPED && kind != LINK_OPENED) entries[place] = node;
+    if (listed(kind)) entries[place] = node;
     for (uint k = LINK_EXPANDED; k <= LINK_EDGE; ++k) at[k] += uint(kind == k);
 }
 
+Seen block;
+uint visit(uint node, out uint word) {
+    Emitter e = emitters[node];
+    uint kind = kind_of(block, node, e);
+    // By kinds, as lists follow each other.
+    word = listed(kind) ? kind << LINK_SHIFT | node : NONE;
+    return kind == LINK_OPENED ? e.right : 0;
+}
+
+shared uvec4 kinds_before[MOST_LANES];
+
+// A kind's place in a vector: lists follow each other by kinds.
+uvec4 one_of(uint decision) { return uvec4(equal(uvec4(LINK_EXPANDED, LINK_DIRECT, LINK_AREA, LINK_EDGE), uvec4(decision >> LINK_SHIFT))); }
+
+// What `count` kept, by kinds: each invocation has a run of it, and counts what comes before.
+void write_known(uint first, Runs one, uint total) {
+    uint self = gl_LocalInvocationIndex, each = (total + LANES - 1) / LANES;
+    uint begin = first + min(self * each, total), end = first + min(self * each + each, total);
+    uvec4 own = uvec4(0);
+    for (uint k = begin; k < end; ++k) own += one_of(decisions[k]);
+    kinds_before[self] = own;
+    barrier();
+    for (uint step = 1; step < LANES; step *= 2) {
+        uvec4 other = self >= step ? kinds_before[self - step] : uvec4(0);
+        barrier();
+        kinds_before[self] += other;
+        barrier();
+    }
+    uvec4 place = uvec4(0, one.expanded, one.expanded + one.direct, one.expanded + one.direct + one.area) +
+                  kinds_before[self] - own + one.first;
+    for (uint k = begin; k < end; ++k) {
+        uint decision = decisions[k];
+        uvec4 here = one_of(decision);
+        uvec4 at = place * here;
+        entries[at.x + at.y + at.z + at.w] = decision & (1u << LINK_SHIFT) - 1;
+        place += here;
+    }
+}
+
 void main() {
-    uint i = invocation();
+    uint i = item();
     if (i >= range.count || counters[0].entries > object_params[0].entry_capacity) return;
     Runs one = runs[i];
+    uint total = one.expanded + one.direct + one.area + one.edge;
+    if (LANES > 1) {
+        if (total < LINK_KEPT) {
+            write_known(i * LINK_KEPT, one, total);
+            return;
+        }
+        block = seen(range.first + i);
+        bool cut;
+        if (walk_together(cut)) {
+            sort_found(total);
+            for (uint k = gl_LocalInvocationIndex; k < total; k += LANES) entries[one.first + k] = found(k) & (1u << LINK_SHIFT) - 1;
+            return;
+        }
+    }
+    if (LANES > 1 && gl_LocalInvocationIndex > 0) return;
     at[LINK_EXPANDED] = one.first;
     at[LINK_DIRECT] = one.first + one.expanded;
     at[LINK_AREA] = at[LINK_DIRECT] + one.direct;
     at[LINK_EDGE] = at[LINK_AREA] + one.area;
-    uint total = at[LINK_EDGE] + one.edge - one.first;
     uint node = 0, known = min(total, LINK_KEPT - 1);
     for (uint k = 0; k < known; ++k) {
         uint decision = decisions[i * LINK_KEPT + k];

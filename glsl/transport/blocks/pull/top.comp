@@ -1,0 +1,27 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+
+// The moments of the clusters of the upper levels, by one group: a level has few of them, and a dispatch each would be
+// a wait each.
+const uint TOP_GROUP = 128; // as many as every device has
+layout(local_size_x = TOP_GROUP) in;
+layout(constant_id = 0) const uint ORDER = 2;
+layout(push_constant, scalar) uniform push_block { uint count; Range levels[TOP_LEVELS]; };
+READS(object_params)
+READS(topology)
+READS(order)
+READS(bounds)
+READS(clusters)
+SHARES(moments)
+SHARES(second_moments)
+#include "transport/blocks/pull/parallel_axes.glsl"
+
+void main() {
+    for (uint level = 0; level < count; ++level) {
+        Range range = levels[level];
+        for (uint i = gl_LocalInvocationIndex; i < range.count; i += TOP_GROUP) pull(order[range.first + i]);
+        memoryBarrierBuffer();
+        barrier();
+    }
+}
