@@ -209,9 +209,9 @@ pub static AXES: &[Axis] = &[
         values: &[
             value!("any", "1 on a processor, else 128", lanes = None),
             value!("1", "each walks alone", lanes = Some(1)),
-            value!("32", "half a group", lanes = Some(32)),
-            value!("64", "a group", lanes = Some(64)),
-            value!("128", "a group twice as large", lanes = Some(128)),
+            value!("32", "32 invocations, a group of their own", lanes = Some(32)),
+            value!("64", "64 invocations", lanes = Some(64)),
+            value!("128", "128 invocations", lanes = Some(128)),
         ],
     },
     Descriptors::AXIS,

@@ -143,6 +143,8 @@ impl Encoded {
                     match choices.submissions {
                         _ if !open.is_empty() => {}
                         _ if apart && part < parts => {
+                            // It may be the last one of its queue.
+                            self.make_visible();
                             self.end()?;
                             self.begin(vk::CommandBufferLevel::PRIMARY)?;
                         }

@@ -24,6 +24,7 @@ use crate::layout::{GROUPS_A_ROW, LOCKSTEP_ID};
 use crate::phases::phase;
 
 use shape::Shape;
+pub use shape::set_by_device;
 pub(super) use subgroups::words_for;
 
 /// What identifies a kernel.
@@ -115,11 +116,16 @@ impl Kernel {
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
     pub(crate) fn new(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
+        let shape = Shape::of(device, name, &reflect(name, &words)?);
+        Self::shaped(device, name, words, constants, shape)
+    }
+
+    fn shaped(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32], shape: Shape) -> Result<Self> {
         let special: Vec<(u32, u32)> = (0..).zip(constants.iter().copied()).collect();
         let kept = device.choices().constants == Constants::Specialization;
         let source =
             kept.then(|| Source { words: words.clone(), constants: constants.to_vec(), baked: RefCell::default() });
-        let mut kernel = Self::described(device, name, &words, constants)?;
+        let mut kernel = Self::described(device, name, &words, constants, shape)?;
         kernel.source = source.filter(|_| kernel.push_bytes > 0).map(Box::new);
         // Where push constants become specialization constants, `baked` makes a pipeline for each of their values.
         match kernel.source {
@@ -140,16 +146,15 @@ impl Kernel {
         let mut special: Vec<(u32, u32)> = (0..).zip(source.constants.iter().copied()).collect();
         let pushed = push.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
         special.extend((BAKED_ID..).zip(pushed));
-        let made = Self::described(&self.device, &self.name, &words, &source.constants)?;
+        let made = Self::described(&self.device, &self.name, &words, &source.constants, self.shape)?;
         let made = Rc::new(made.with_pipeline(words, special)?);
         source.baked.borrow_mut().insert(push.to_vec(), made.clone());
         Ok(made)
     }
 
     /// What this SPIR-V says of itself, for these specialization constants; it has no pipeline yet.
-    fn described(device: &LogicalDevice, name: &str, words: &[u32], constants: &[u32]) -> Result<Self> {
+    fn described(device: &LogicalDevice, name: &str, words: &[u32], constants: &[u32], shape: Shape) -> Result<Self> {
         let found = reflect(name, words)?;
-        let shape = Shape::of(device, name, &found);
         let group = shape.group.unwrap_or(found.group);
         let built = words_of(name).is_ok_and(|own| own == words)
             || words_without_subgroups(name).is_some_and(|own| own == words);

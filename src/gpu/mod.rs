@@ -68,7 +68,7 @@ pub use execution::{EXECUTES, ExecutionCheck};
 pub use instance::Instance;
 #[cfg(feature = "measure")]
 pub(crate) use interface::{disassembled, interface};
-pub use kernel::{Kernel, KernelKey};
+pub use kernel::{Kernel, KernelKey, set_by_device};
 pub use kernels::Kernels;
 pub use list::Timing;
 pub use logical_device::LogicalDevice;

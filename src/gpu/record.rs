@@ -160,6 +160,13 @@ const MOST_KEPT: usize = 512;
 #[derive(Default)]
 pub struct Recordings(RefCell<Vec<Encoded>>);
 
+impl Recordings {
+    /// Forgets all: buffers that they bind are no more.
+    pub fn clear(&self) {
+        self.0.borrow_mut().clear();
+    }
+}
+
 fn range(buffer: &Buffer, offset: u64, size: u64) -> BoundRange {
     BoundRange { buffer: buffer.raw, number: buffer.number, offset, size }
 }

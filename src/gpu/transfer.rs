@@ -1,4 +1,5 @@
-//! Copies between host and device: many ranges of buffers in one submission, through a staging buffer.
+//! Copies between host and device: in place where the host sees the memory, else many ranges of buffers in one
+//! submission, through a staging buffer.
 
 use std::ops::Range;
 use std::ptr::NonNull;
@@ -119,9 +120,10 @@ pub fn upload(device: &LogicalDevice, uploads: &[Upload<'_>]) -> Result<()> {
         .map(|&Upload { buffer, offset, bytes }| BufferRange { buffer, offset, size: bytes.len() as u64 })
         .collect();
     let doing = checked("filling", &ranges)?;
+    device.ready(&doing)?;
     for Upload { buffer, offset, bytes } in uploads {
         if let Some(place) = buffer.in_place(false) {
-            // SAFETY: the range lies in the buffer, whose memory is mapped; every submission is waited for.
+            // SAFETY: the range lies in the buffer, whose memory is mapped; no submission is running.
             unsafe { place.add(*offset as usize).copy_from_nonoverlapping(NonNull::from(*bytes).cast(), bytes.len()) };
         }
     }
@@ -153,10 +155,11 @@ pub fn download(
     mut take: impl FnMut(Downloaded<'_>),
 ) -> Result<()> {
     let doing = checked("reading", ranges)?;
+    device.ready(&doing)?;
     for (at, &BufferRange { buffer, offset, size }) in ranges.iter().enumerate() {
         if let Some(place) = buffer.in_place(true) {
-            // SAFETY: the range lies in the buffer, whose memory is mapped; every submission is waited for, and its
-            // last barrier makes what it wrote visible to the host.
+            // SAFETY: the range lies in the buffer, whose memory is mapped; no submission is running, and the barrier
+            // at its end makes what it wrote visible to the host.
             let bytes = unsafe { std::slice::from_raw_parts(place.as_ptr().add(offset as usize), size as usize) };
             take(Downloaded { range: at, offset: 0, bytes });
         }

@@ -21,7 +21,7 @@ constants! {
     LOCKSTEP_ID: u32 = 101;
     /// The specialization constant that says how many invocations share an item: 1, or all those of a group.
     LANES_ID: u32 = 102;
-    /// Invocations that share an item at most.
+    /// At most so many invocations share an item.
     MOST_LANES: u32 = 128;
     /// The specialization constant that says how many invocations share a receiver: 1, or a group's over
     /// [`BLOCK_RECEIVERS`].

@@ -70,6 +70,9 @@ impl DeviceState {
             self.buffers.insert(slot, Buffer::new(&self.device, slot.spec().name, whole)?);
             made.push(slot);
         }
+        if !made.is_empty() {
+            self.recordings.clear();
+        }
         if let Some(byte) = self.device.choices().fill {
             let sizes = made.iter().map(|slot| self.buffers[slot].size() as usize);
             let bytes = vec![byte; sizes.max().unwrap_or(0)];

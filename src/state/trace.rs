@@ -27,6 +27,8 @@ pub struct Traced {
     pub constants: Vec<u32>,
     /// Its push constants.
     pub push: Vec<u8>,
+    /// Invocations that share an item.
+    pub lanes: u32,
     /// Groups in each dimension; those of an indirect dispatch as the device, or the reference, counts them.
     pub groups: [u32; 3],
     /// What it binds.
@@ -95,6 +97,7 @@ impl DeviceState {
             kernel: call.kernel.to_string(),
             constants: call.constants.to_vec(),
             push: call.push.to_vec(),
+            lanes: kernel.lanes(),
             groups,
             bindings: Vec::new(),
             after: Vec::new(),

@@ -9,6 +9,7 @@ mod fingerprints;
 mod guards;
 mod idle;
 mod instrument;
+mod lanes;
 mod limits;
 mod mutants;
 mod pictures;

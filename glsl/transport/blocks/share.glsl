@@ -24,7 +24,8 @@ uint found(uint k) { return pool[k]; }
 // that is NONE.
 uint visit(uint node, out uint word);
 
-// For all invocations of the group, from the root. False where not all that was found is noted: the pool is too small.
+// For all invocations of the group, from the root. False where not all that was found is noted, as the pool might have
+// been too small.
 // `cut` where not all was visited, either: the driver has ended the loop, or the tree is too deep.
 bool walk_together(out bool cut) {
     uint self = gl_LocalInvocationIndex, top = 1;

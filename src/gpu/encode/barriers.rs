@@ -36,9 +36,12 @@ impl Encoded {
         Ok(())
     }
 
-    /// Records, at the end, that copies and the host see what kernels have written.
+    /// Records, at the end, that copies and the host see what kernels have written, and may write after them.
     pub(super) fn make_visible(&self) {
-        let seen = vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::TRANSFER_WRITE | vk::AccessFlags::HOST_READ;
+        let seen = vk::AccessFlags::TRANSFER_READ
+            | vk::AccessFlags::TRANSFER_WRITE
+            | vk::AccessFlags::HOST_READ
+            | vk::AccessFlags::HOST_WRITE;
         let memory =
             [vk::MemoryBarrier::default().src_access_mask(vk::AccessFlags::SHADER_WRITE).dst_access_mask(seen)];
         let after = vk::PipelineStageFlags::TRANSFER | vk::PipelineStageFlags::HOST;

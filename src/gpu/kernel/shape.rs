@@ -1,7 +1,9 @@
 //! How a kernel's groups are where the device sets that: how large, and how many invocations share an item.
 
+use super::Kernel;
+use crate::error::Result;
 use crate::gpu::logical_device::LogicalDevice;
-use crate::gpu::reflect::Reflected;
+use crate::gpu::reflect::{Reflected, reflect};
 use crate::layout::{BLOCK_RECEIVERS, GROUP_ID, LANES_ID, MOST_LANES, TEAMS_ID};
 
 /// Groups of a kernel.
@@ -14,14 +16,25 @@ pub(in super::super) struct Shape {
 }
 
 impl Shape {
-    /// The shape of this kernel on a device.
+    /// The shape of this kernel on a device. Where a size is chosen for its groups, no item is shared.
     pub(in super::super) fn of(device: &LogicalDevice, name: &str, found: &Reflected) -> Self {
+        match device.choices().group(name).filter(|_| found.constants.contains_key(&GROUP_ID)) {
+            Some(size) => Self { group: Some(size), shared: None },
+            None => Self::with_lanes(device.lanes(), found),
+        }
+    }
+
+    /// The shape where as many invocations share an item, if the kernel lets them; a user's may not.
+    pub(in super::super) fn with_lanes(lanes: u32, found: &Reflected) -> Self {
         let has = |id: &u32| found.constants.contains_key(id);
-        let lanes = device.lanes();
         let an_item = |id: u32| if id == TEAMS_ID { lanes / BLOCK_RECEIVERS as u32 } else { lanes };
-        let shared = [LANES_ID, TEAMS_ID].into_iter().find(|id| lanes > 1 && has(id)).map(|id| (id, an_item(id)));
-        let group = if shared.is_some() { Some(lanes) } else { device.choices().group(name) };
-        Self { group: group.filter(|_| has(&GROUP_ID)), shared }
+        let shared = [LANES_ID, TEAMS_ID].into_iter().find(|id| lanes > 1 && has(&GROUP_ID) && has(id));
+        Self { group: shared.map(|_| lanes), shared: shared.map(|id| (id, an_item(id))) }
+    }
+
+    /// How many invocations share an item, or a block's receivers: those of a group, or 1.
+    pub(in super::super) fn lanes(&self) -> u32 {
+        self.shared.and(self.group).unwrap_or(1)
     }
 
     /// How many invocations an item has.
@@ -33,6 +46,31 @@ impl Shape {
     pub(in super::super) fn constants(&self) -> impl Iterator<Item = (u32, u32)> {
         self.group.map(|size| (GROUP_ID, size)).into_iter().chain(self.shared)
     }
+}
+
+impl Kernel {
+    /// The kernel of this SPIR-V where so many invocations share an item, whatever the device is.
+    pub(crate) fn with_lanes(
+        device: &LogicalDevice,
+        name: &str,
+        words: Vec<u32>,
+        constants: &[u32],
+        lanes: u32,
+    ) -> Result<Self> {
+        let shape = Shape::with_lanes(lanes, &reflect(name, &words)?);
+        Self::shaped(device, name, words, constants, shape)
+    }
+
+    /// How many invocations share an item.
+    pub(crate) fn lanes(&self) -> u32 {
+        self.shape.lanes()
+    }
+}
+
+/// The specialization constants from `GROUP_ID` on of this SPIR-V where so many invocations share an item, with their
+/// ids.
+pub fn set_by_device(name: &str, words: &[u32], lanes: u32) -> Vec<(u32, u32)> {
+    reflect(name, words).map_or_else(|_| Vec::new(), |found| Shape::with_lanes(lanes, &found).constants().collect())
 }
 
 impl LogicalDevice {

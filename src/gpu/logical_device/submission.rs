@@ -33,16 +33,22 @@ impl LogicalDevice {
         self.submit_to(&infos.iter().map(|info| (0, *info)).collect::<Vec<_>>(), doing)
     }
 
-    /// Makes submissions to the queue of each number, and waits for the last.
-    pub(in super::super) fn submit_to(&self, infos: &[(usize, vk::SubmitInfo<'_>)], doing: &str) -> Result<()> {
-        let raw = &self.0.raw;
-        let Some((last, others)) = infos.split_last() else { return Ok(()) };
+    /// An error where the device executes nothing, or is not done with what it was given.
+    pub(in super::super) fn ready(&self, doing: &str) -> Result<()> {
         if self.0.given_up.get() {
             return Err(Error::device(doing, "the device does not execute what it is given"));
         }
         if !self.finished() {
             return Err(Error::device(doing, "the device is still busy with what it did not finish in time"));
         }
+        Ok(())
+    }
+
+    /// Makes submissions to the queue of each number, and waits for the last.
+    pub(in super::super) fn submit_to(&self, infos: &[(usize, vk::SubmitInfo<'_>)], doing: &str) -> Result<()> {
+        let raw = &self.0.raw;
+        let Some((last, others)) = infos.split_last() else { return Ok(()) };
+        self.ready(doing)?;
         self.0.submissions.set(self.0.submissions.get() + infos.len() as u64);
         let submit = |(queue, info): &(usize, vk::SubmitInfo<'_>), fence: vk::Fence| {
             let queue = self.0.queues[*queue];

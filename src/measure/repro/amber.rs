@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 
 use super::files::modules;
 use super::{ANY, BITS, Case, Part};
+use crate::gpu::set_by_device;
 
 /// Values in a line.
 const VALUES: usize = 12;
@@ -70,7 +71,8 @@ pub fn script(case: &Case) -> String {
     for &kind in types {
         for (k, (dispatch, module)) in case.dispatches.iter().zip(&names).enumerate() {
             let _ = write!(text, "\nPIPELINE compute run{k}{}\n  ATTACH {module}", kind.ending());
-            for (id, value) in dispatch.constants.iter().enumerate() {
+            let by_device = set_by_device(&dispatch.kernel, &dispatch.spirv, dispatch.lanes);
+            for (id, value) in (0..).zip(dispatch.constants.iter().copied()).chain(by_device) {
                 let _ = write!(text, " SPECIALIZE {id} AS uint32 {value}");
             }
             text.push('\n');

@@ -89,6 +89,7 @@ impl Case {
                 spirv: format!("{module}.spv"),
                 constants: dispatch.constants.clone(),
                 push_constants: dispatch.push.clone(),
+                lanes: dispatch.lanes,
                 groups: dispatch.groups,
                 first_group: dispatch.first_group,
                 bindings: dispatch.bindings.iter().map(bind).collect(),
@@ -186,8 +187,8 @@ impl Case {
                     return Err(fault(key, what).found(given).expected(taken).into());
                 }
             }
-            let DispatchFile { kernel, constants, push_constants: push, groups, first_group, .. } = dispatch;
-            case.dispatches.push(Dispatch { kernel, spirv, constants, push, groups, first_group, bindings });
+            let DispatchFile { kernel, constants, push_constants: push, lanes, groups, first_group, .. } = dispatch;
+            case.dispatches.push(Dispatch { kernel, spirv, constants, push, lanes, groups, first_group, bindings });
         }
         if case.dispatches.is_empty() {
             return Err(fault("dispatches", "there is none").into());

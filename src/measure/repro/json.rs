@@ -56,6 +56,11 @@ pub(super) struct PartFile {
     pub(super) device: Option<String>,
 }
 
+/// Whether no invocations share an item, which is not said.
+fn alone(lanes: &u32) -> bool {
+    *lanes <= 1
+}
+
 /// A dispatch.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -67,6 +72,9 @@ pub(super) struct DispatchFile {
     pub(super) constants: Vec<u32>,
     /// Words of push constants.
     pub(super) push_constants: Vec<u32>,
+    /// Invocations that share an item.
+    #[serde(default, skip_serializing_if = "alone")]
+    pub(super) lanes: u32,
     pub(super) groups: [u32; 3],
     /// The number that the first group takes itself for, across: its SPIR-V was changed to that end.
     #[serde(default)]

@@ -93,6 +93,8 @@ pub struct Dispatch {
     pub constants: Vec<u32>,
     /// Its push constants.
     pub push: Vec<u32>,
+    /// Invocations that share an item; 0 as 1.
+    pub lanes: u32,
     /// Groups in each dimension.
     pub groups: [u32; 3],
     /// The number that the first group takes itself for, across; not 0 where the SPIR-V was changed to that end.

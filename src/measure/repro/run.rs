@@ -45,12 +45,13 @@ impl Case {
         let mut kernels = BTreeMap::new();
         let mut recorder = Recorder::new(device, 0)?;
         for (index, dispatch) in self.dispatches.iter().enumerate() {
-            let key = (&dispatch.kernel, &dispatch.constants, &dispatch.spirv);
+            let key = (&dispatch.kernel, &dispatch.constants, &dispatch.spirv, dispatch.lanes);
             let kernel = match kernels.get(&key) {
                 Some(known) => Rc::clone(known),
                 None => {
                     let words = dispatch.spirv.clone();
-                    let made = Rc::new(Kernel::new(device, &dispatch.kernel, words, &dispatch.constants)?);
+                    let (name, constants) = (&dispatch.kernel, &dispatch.constants);
+                    let made = Rc::new(Kernel::with_lanes(device, name, words, constants, dispatch.lanes)?);
                     kernels.insert(key, made.clone());
                     made
                 }

@@ -145,6 +145,7 @@ fn whole(device: &Device, fixture: &Fixture, (step, state): (Step, &State), trac
             spirv: device.words(&dispatch.kernel)?,
             constants: dispatch.constants.clone(),
             push: words(&dispatch.push),
+            lanes: dispatch.lanes,
             groups: dispatch.groups,
             first_group: 0,
             bindings: dispatch

@@ -1,4 +1,4 @@
-// One invocation a receiver: BLOCK_RECEIVERS a block, of which the last ones may be absent.
+// BLOCK_RECEIVERS receivers a block, of which the last ones may be absent; one invocation each, or one of each team.
 struct Receiver { uint run; uint face; bool present; vec3 x; };
 
 // The includer reads blocks and places, and has `range`.

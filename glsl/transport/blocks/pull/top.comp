@@ -18,10 +18,14 @@ SHARES(second_moments)
 #include "transport/blocks/pull/parallel_axes.glsl"
 
 void main() {
+    // Push constants are taken by constant indices only.
+    Range own[TOP_LEVELS];
+    [[unroll]] for (uint k = 0; k < TOP_LEVELS; ++k) own[k] = levels[k];
     for (uint level = 0; level < count; ++level) {
-        Range range = levels[level];
+        Range range = own[level];
         for (uint i = gl_LocalInvocationIndex; i < range.count; i += TOP_GROUP) pull(order[range.first + i]);
         memoryBarrierBuffer();
         barrier();
+        memoryBarrierBuffer();
     }
 }

@@ -1,0 +1,39 @@
+//! Kernels whose groups share an item conform at widths that processors do not choose. That all have the same bits is
+//! held by `variants`.
+
+use crate::devices::on_devices;
+use milkglass::internals::gpu::Choices;
+use milkglass::measure::conform::conform_stages;
+use milkglass::measure::fixtures::{Fixture, fixture};
+use milkglass::scene::Scene;
+
+/// Words in which a group notes what it finds: `glsl/transport/blocks/share.glsl`.
+const POOL: u32 = 1536;
+
+/// The longest list of a block that the reference makes.
+fn longest(fixture: &Fixture) -> u32 {
+    let mut state = fixture.state.clone();
+    fixture.steps.iter().for_each(|step| step.reference(&mut state));
+    state.data.runs.iter().map(|run| run.expanded + run.direct + run.area + run.edge).max().unwrap_or(0)
+}
+
+#[test]
+fn groups_that_share_walks_conform() {
+    let sets = ["object.0.detail=4", "transport.tolerance=1e-6", "camera.size=[8, 8]", "transport.receivers=faces"];
+    let scene = Scene::load_with("sphere", &sets.map(str::to_string)).unwrap();
+    let long = Fixture::of_scene("sphere with long lists", &scene).unwrap();
+    // Some blocks list more than a group can note, and are walked by one invocation.
+    assert!(longest(&long) > POOL, "{}", longest(&long));
+    let stages = ["coarse_solve", "link", "gather"].map(str::to_string);
+    for fixture in [fixture("sphere with holes").unwrap(), long] {
+        on_devices(|device| {
+            for lanes in [32, 128] {
+                let wide = device.opened_as(&Choices { lanes: Some(lanes), ..device.choices().clone() }).unwrap();
+                let rows = conform_stages(&wide, &fixture, &stages).unwrap();
+                assert!(rows.len() >= stages.len(), "{} rows", rows.len());
+                let faults: Vec<&String> = rows.iter().flat_map(|row| &row.faults).collect();
+                assert!(faults.is_empty(), "{}, {lanes} lanes: {faults:?}", fixture.name);
+            }
+        });
+    }
+}
