@@ -141,6 +141,7 @@ impl Recorder {
                 if kept.len() == MOST_KEPT {
                     kept.remove(0);
                 }
+                first_use::compile(&self.device, &self.list);
                 kept.push(Encoded::new(&self.device, self.list, self.timed_parts)?);
                 kept.len() - 1
             }
