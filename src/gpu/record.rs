@@ -136,7 +136,11 @@ impl Recorder {
         }
         let mut kept = kept.0.borrow_mut();
         let at = match kept.iter().position(|one| one.is_of(&self.list, self.timed_parts)) {
-            Some(at) => at,
+            // The one that was used last is the last to be forgotten.
+            Some(at) => {
+                kept[at..].rotate_left(1);
+                kept.len() - 1
+            }
             None => {
                 if kept.len() == MOST_KEPT {
                     kept.remove(0);
@@ -154,8 +158,8 @@ impl Recorder {
     }
 }
 
-/// How many recordings are kept: more than a frame has submissions. Steps of a solver are one each.
-const MOST_KEPT: usize = 512;
+/// How many recordings are kept: more than most frames have submissions. Steps of a solver are one each.
+const MOST_KEPT: usize = 128;
 
 /// Recordings of frames that may come again.
 #[derive(Default)]
