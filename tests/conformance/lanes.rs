@@ -19,7 +19,7 @@ fn longest(fixture: &Fixture) -> u32 {
 
 #[test]
 fn groups_that_share_walks_conform() {
-    let sets = ["object.0.detail=4", "transport.tolerance=1e-6", "camera.size=[8, 8]", "transport.receivers=faces"];
+    let sets = ["object.0.detail=5", "transport.tolerance=1e-6", "camera.size=[8, 8]", "transport.receivers=faces"];
     let scene = Scene::load_with("sphere", &sets.map(str::to_string)).unwrap();
     let long = Fixture::of_scene("sphere with long lists", &scene).unwrap();
     // Some blocks list more than a group can note, and are walked by one invocation.

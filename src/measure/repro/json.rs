@@ -56,6 +56,11 @@ pub(super) struct PartFile {
     pub(super) device: Option<String>,
 }
 
+/// Without a word, no invocations share an item.
+fn one() -> u32 {
+    1
+}
+
 /// Whether no invocations share an item, which is not said.
 fn alone(lanes: &u32) -> bool {
     *lanes <= 1
@@ -73,7 +78,7 @@ pub(super) struct DispatchFile {
     /// Words of push constants.
     pub(super) push_constants: Vec<u32>,
     /// Invocations that share an item.
-    #[serde(default, skip_serializing_if = "alone")]
+    #[serde(default = "one", skip_serializing_if = "alone")]
     pub(super) lanes: u32,
     pub(super) groups: [u32; 3],
     /// The number that the first group takes itself for, across: its SPIR-V was changed to that end.
