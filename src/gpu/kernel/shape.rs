@@ -50,6 +50,7 @@ impl Shape {
 
 impl Kernel {
     /// The kernel of this SPIR-V where so many invocations share an item, whatever the device is.
+    #[cfg(feature = "measure")]
     pub(crate) fn with_lanes(
         device: &LogicalDevice,
         name: &str,
