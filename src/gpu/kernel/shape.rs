@@ -1,6 +1,7 @@
 //! How a kernel's groups are where the device sets that: how large, and how many invocations share an item.
 
 use super::Kernel;
+#[cfg(feature = "measure")]
 use crate::error::Result;
 use crate::gpu::logical_device::LogicalDevice;
 use crate::gpu::reflect::{Reflected, reflect};
