@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::{SceneArguments, finite};
 use milkglass::error::{Input, Result};
-use milkglass::scene::{Scene, Studio, Up, Wishes};
+use milkglass::scene::{Scene, Studio, Up, ViewFrom, Wishes};
 
 /// What `render` takes for a mesh alone.
 #[derive(Args, Clone)]
@@ -21,6 +21,9 @@ pub struct BareArguments {
     /// A mesh alone: the axis that points upwards; guessed without.
     #[arg(long, value_enum)]
     up: Option<Up>,
+    /// A mesh alone: where the camera stands: front, back, left, right, top, or azimuth and elevation in degrees.
+    #[arg(long, value_name = "VIEW|AZ,EL", allow_hyphen_values = true)]
+    view_from: Option<ViewFrom>,
     /// A mesh alone: it stands on a dark table, and casts its shadow there.
     #[arg(long)]
     ground: bool,
@@ -58,6 +61,7 @@ impl BareArguments {
             value("--size-mm", self.size_mm.map(|size| format!("{size:?}"))),
             value("--samples", self.samples.map(|samples| samples.to_string())),
             value("--up", self.up.map(|up| if matches!(up, Up::Y) { "y" } else { "z" }.to_string())),
+            value("--view-from", self.view_from.map(|view| format!("{:?},{:?}", view.azimuth, view.elevation))),
             self.ground.then(|| "--ground".to_string()),
             value("--environment", self.environment.clone()),
         ];
@@ -72,6 +76,7 @@ impl BareArguments {
             samples: self.samples,
             pixels,
             up: self.up,
+            view: self.view_from,
             ground: self.ground,
             environment: self.environment.clone(),
         };
@@ -94,6 +99,7 @@ impl BareArguments {
             ("--preset", self.preset.is_some(), "--set object.0.material.preset=NAME"),
             ("--size-mm", self.size_mm.is_some(), "--set object.0.size=SIZE, in the scene's unit"),
             ("--up", self.up.is_some(), "--set 'object.0.rotation=[-90, 0, 0]'"),
+            ("--view-from", self.view_from.is_some(), "--set 'camera.position=[X, Y, Z]'"),
             ("--ground", self.ground, "an [[object]] with `shape = \"plane\"` and an opaque material"),
             ("--environment", self.environment.is_some(), "a [[light]] with `type = \"environment\"`"),
             ("--turntable", self.turntable.is_some(), "keyframes of `camera.position`, and --frames"),

@@ -9,14 +9,14 @@ use milkglass::internals::pipeline::frame::{FRAME, Part, QUERIES};
 use milkglass::internals::state::{Change, Stage, Update};
 use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::table::{Column, Table};
-use milkglass::scene::{BUILTIN, Files, Preset};
+use milkglass::scene::{BUILTIN, Files, Preset, Studio, Wishes};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `scenes`.
 #[derive(Args)]
 #[command(after_help = "Example: milkglass scenes lotus > mine.toml")]
 pub struct Scenes {
-    /// Print this scene's TOML file, to copy and edit; that of a mesh alone, with its animations.
+    /// Print this scene's TOML file, to copy and edit; for a mesh alone, the studio in which `render` shows it.
     #[arg(value_parser = super::paths::any_path())]
     name: Option<String>,
 }
@@ -48,7 +48,12 @@ pub fn scenes(arguments: &Scenes) -> Result<()> {
             Ok(())
         }
         None if Files::default().exists(Path::new(name)) && !Path::new(name).is_dir() => {
-            let (text, animations) = Scene::text(name, &Files::default())?;
+            let (mut text, animations) = Scene::text(name, &Files::default())?;
+            // A mesh alone: the scene that `render` makes of it.
+            if let Some(studio) = Studio::around(name, &[], 0.0, &Files::default(), Wishes::default())? {
+                studio.told.iter().for_each(|line| tell!("{line}"));
+                text = studio.toml();
+            }
             let line = |(name, seconds): &(String, f64)| format!("# --animation {name:?}: {seconds:.3} s\n");
             print(&format!("{}{text}", animations.iter().map(line).collect::<String>()))
         }

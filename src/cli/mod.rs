@@ -253,7 +253,7 @@ fn greet(session: &mut Session) {
         tell!("tree of object {object}: {why}; split at medians instead");
     }
     sequence::warn_of_shape(session, "");
-    session.diffusion_doubts().iter().for_each(|line| tell!("{line}"));
+    session.divisions().iter().chain(&session.diffusion_doubts()).for_each(|line| tell!("{line}"));
     if let Some(why) = session.not_kept() {
         tell!("{why}");
     }

@@ -170,7 +170,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let place = device.as_ref().map_or("the CPU", |device| device.name());
     let seconds = start.elapsed().as_secs_f64();
     let (file, [width, height]) = (arguments.output.display(), scene.camera.size);
-    tell!("{file}: {width} x {height}, on {place}, {seconds:.1} s");
+    let camera = &session.scene().camera;
+    let exposed = if camera.metered { format!(", exposure {:.3}", camera.exposure) } else { String::new() };
+    tell!("{file}: {width} x {height}{exposed}, on {place}, {seconds:.1} s");
     let share = if options.transport == ShadingMethod::Cdrf { flat(&mut session)? } else { 0.0 };
     if share > 0.25 {
         tell!(

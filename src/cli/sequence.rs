@@ -84,6 +84,7 @@ impl Job<'_> {
             run_frame(session, Change::default())?;
             check_messages(device)?;
             shoot(session, self.aov, &output(frame), Samples::hidden())?;
+            session.hold_exposure();
             check_messages(device)?;
             bar.inc(1);
             Ok(())

@@ -140,6 +140,13 @@ pub fn tell_estimate(session: &mut Session) -> Result<()> {
     if let Some(why) = session.blunt() {
         tell!("the error estimate is a looser one, since the second solve that sharpens it failed: {why}");
     }
+    let long = session.left_long().into_iter().filter(|long| *long).count();
+    if long > 0 {
+        tell!(
+            "{long} triangles are longer than the distance over which radiosity changes at edges, and have one value each, \
+             that of their centroid: transport.receivers = \"auto\" divides them"
+        );
+    }
     let bordered = session.bordered()?;
     if bordered > 0 {
         tell!(

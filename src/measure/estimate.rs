@@ -61,7 +61,8 @@ impl Quality {
         };
         let (estimate, error) = (whole(estimates), whole(errors));
         Self {
-            covered: covered / counts.iter().sum::<f64>(),
+            // An empty sum is -0.
+            covered: (covered + 0.0) / counts.iter().sum::<f64>(),
             ratio: p99(&estimate, counts) / p99(&error, counts),
             rank: correlation(&ranks(&estimate, counts), &ranks(&error, counts), counts),
         }

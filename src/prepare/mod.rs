@@ -3,6 +3,7 @@
 pub(crate) mod blocks;
 mod borders;
 pub(crate) mod camera;
+pub(crate) mod coarse;
 pub(crate) mod compactness;
 pub(crate) mod diffusion;
 pub mod diffusion_validity;

@@ -1,7 +1,8 @@
 //! Where light is evaluated: whether radiosity is computed at triangles and interpolated between vertices, or at the
 //! points that the pixels show. By default whichever are fewer.
 
-use crate::scene::{Receivers, Scene, Scheme};
+use super::coarse::Long;
+use crate::scene::{Object, Receivers, Scene, Scheme};
 use crate::state::LitAt;
 use crate::state::options::{Goal, Options, ShadingMethod};
 
@@ -24,7 +25,15 @@ pub fn by_pixel(scene: &Scene, options: Options) -> (bool, String) {
         Receivers::Pixels => return (true, "transport.receivers is pixels".into()),
         Receivers::Auto => format!("a picture takes {pixels} samples of pixels, the objects have {faces} triangles"),
     };
-    (pixels < faces, why)
+    // Long triangles of an object that deforms are not divided.
+    let long = |(number, object): (usize, &Object)| {
+        let long = !object.deforms.is_empty() && Long::of(&object.mesh, &object.material).is_some();
+        long.then(|| format!("object {number} deforms and has triangles that are too long to be receivers"))
+    };
+    match scene.objects.iter().enumerate().find_map(long).filter(|_| pixels >= faces) {
+        Some(why) => (true, why),
+        None => (pixels < faces, why),
+    }
 }
 
 /// Whether opaque objects are lit at triangles, at pixels, or both.

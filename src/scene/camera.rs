@@ -3,7 +3,7 @@
 use super::file::CameraFile;
 use super::light::{Light, Source};
 use super::range::{self, Checked};
-use super::vector::{Background, Vector};
+use super::vector::{Background, Exposure, Vector};
 use crate::error::{Input, Result};
 use glam::DVec3;
 use serde::Deserialize;
@@ -50,8 +50,10 @@ pub struct Camera {
     pub size: [u32; 2],
     /// Samples of a pixel, which shows their mean, 1 to 64.
     pub samples: u32,
-    /// Factor on radiance before it becomes sRGB, above 0.
+    /// Factor on radiance before it becomes sRGB, above 0; 1 until a picture is made where that is `metered`.
     pub exposure: f64,
+    /// Whether the picture decides that factor.
+    pub metered: bool,
     /// Tone curve, for PNG only.
     pub tone: Tone,
     /// Linear radiance where no object is seen, r g b, at least 0.
@@ -129,7 +131,13 @@ impl Framing {
             size: file.size.as_deref().map_or(Ok(SIZE), size)?,
             samples: number("samples", file.samples.map(f64::from), 1.0, 0.0..65.0, "a whole number from 1 to 64")?
                 as u32,
-            exposure: number("exposure", file.exposure, 1.0, 0.0..f64::INFINITY, "above 0")?,
+            exposure: match file.exposure {
+                None | Some(Exposure::Auto) => 1.0,
+                Some(Exposure::Factor(x)) => {
+                    number("exposure", Some(x), 1.0, 0.0..f64::INFINITY, "above 0, or \"auto\"")?
+                }
+            },
+            metered: file.exposure == Some(Exposure::Auto),
             tone: file.tone,
             background: match file.background {
                 Background::Environment => [0.0; 3],
@@ -277,7 +285,7 @@ mod tests {
             ("fov = 180", "camera.fov: out of range; found 180; expected degrees, above 0"),
             ("size = [0, 512]", "camera.size: not a picture size; found [0, 512]; expected [width"),
             ("size = [5]", "camera.size: not a picture size; found [5]"),
-            ("exposure = 0", "camera.exposure: out of range; found 0; expected above 0"),
+            ("exposure = 0", "camera.exposure: out of range; found 0; expected above 0, or \"auto\""),
             ("up = [0, 0, 0]", "camera.up: a direction of length zero"),
             ("background = -1", "camera.background: out of range; found [-1, -1, -1]"),
             ("position = [1, 1, 1]\ntarget = [1, 1, 1]", "camera.position: the camera stands on"),

@@ -10,7 +10,7 @@ use super::range::Checked;
 use super::surface::ReflectionKind;
 use super::texture::{Side, Wraps};
 use super::transport::Transport;
-use super::vector::{Background, Rgb, Vector};
+use super::vector::{Background, Exposure, Rgb, Vector};
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -53,7 +53,7 @@ pub(super) struct CameraFile {
     pub fov: Option<f64>,
     pub size: Option<Vec<i64>>,
     pub samples: Option<u32>,
-    pub exposure: Option<f64>,
+    pub exposure: Option<Exposure>,
     pub tone: Tone,
     pub background: Background,
 }

@@ -49,7 +49,7 @@ pub use mesh::{Mesh, Shape};
 pub use object::Object;
 pub use preset::{LIQUIDS, LOOKS, PRESETS, Preset, Provenance};
 pub use skin::{Pose, Rig};
-pub use studio::{Studio, Up, Wishes};
+pub use studio::{Studio, Up, ViewFrom, Wishes};
 pub use surface::{Reflection, Surface};
 pub use texture::{Side, Texture, Wrap};
 pub use transport::{ClusterForm, Distance, Hierarchy, MOST_WALKS, Near, Oracle, Receivers, Scheme, Transport};
@@ -232,6 +232,11 @@ impl Scene {
             let loaded = light.load(files, &text.folder, index, &mut report);
             let loaded = loaded.and_then(|()| light.check_outside(&objects, index));
             loaded.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
+        }
+        for (index, light) in lights.iter().enumerate() {
+            if let Some(why) = light.misses(&objects) {
+                report.push(format!("light {index} lights nothing: {why}; target = [x, y, z] aims it"));
+            }
         }
         if lights.is_empty() {
             report.push("dark: the scene has no [[light]]".to_owned());

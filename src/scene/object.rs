@@ -261,6 +261,7 @@ impl Draft {
             None => mesh.refined(files, transport, report)?,
             Some(_) => (mesh, Origin::File),
         };
+        mesh.detailed = matches!(self.source, Source::Shape(..));
         let mut unsaid = Vec::new();
         if let Some(layers) = &self.material.layers {
             // Built-in shapes are known to have triangles without area in the texture: do not report those.

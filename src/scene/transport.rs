@@ -36,6 +36,9 @@ pub struct Transport {
     pub receivers: Receivers,
     /// Maximum levels of 4-to-1 subdivision where irradiance varies over a triangle, 0 to 4.
     pub subdivide: u32,
+    /// Whether triangles that are long against the mean free path were divided already.
+    #[serde(skip)]
+    pub divided: bool,
     /// How distances are measured.
     pub distance: Distance,
     /// How form factors of near triangles are evaluated.
@@ -192,6 +195,7 @@ impl Default for Transport {
             levels: None,
             receivers: Receivers::default(),
             subdivide: 0,
+            divided: false,
             distance: Distance::default(),
             near: Near::default(),
             cluster: None,

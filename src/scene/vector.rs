@@ -61,6 +61,48 @@ impl<'de> Visitor<'de> for ColorOrWord {
     }
 }
 
+/// A factor on radiance, or the word `auto`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Exposure {
+    /// The factor.
+    Factor(f64),
+    /// As the picture needs it.
+    Auto,
+}
+
+impl<'de> Deserialize<'de> for Exposure {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(FactorOrWord)
+    }
+}
+
+/// Reads a factor or the word.
+struct FactorOrWord;
+
+impl Visitor<'_> for FactorOrWord {
+    type Value = Exposure;
+
+    fn expecting(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str("a number or \"auto\"")
+    }
+
+    fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Exposure, E> {
+        Ok(Exposure::Factor(value))
+    }
+
+    fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Exposure, E> {
+        #[allow(clippy::cast_precision_loss)] // only beyond 2^53, where a factor is as good as its neighbour
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<Exposure, E> {
+        match value {
+            "auto" => Ok(Exposure::Auto),
+            _ => Err(E::invalid_value(serde::de::Unexpected::Str(value), &self)),
+        }
+    }
+}
+
 impl<'de> Deserialize<'de> for Vector {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         from.deserialize_seq(Three { one_for_all: false }).map(Self)

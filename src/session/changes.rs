@@ -57,12 +57,12 @@ impl Layout {
 impl Session {
     /// Replaces the lights.
     pub fn set_lights(&mut self, list: &[Light]) -> Result<()> {
-        if self.fixed.asked.is_some() {
+        if self.cut_for_light() {
             // Shadow borders move, so the subdivision changes.
             return self.renew(|scene| scene.lights = list.to_vec());
         }
         let before = Layout::of(&self.prepared.state);
-        self.scene.lights = list.to_vec();
+        self.scenes().for_each(|scene| scene.lights = list.to_vec());
         lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.objects);
         self.adopt(&before, Change::LIGHT.into(), LIGHTING)
     }
@@ -140,7 +140,7 @@ impl Session {
         let placed = pairs().any(|(old, new)| (old.rotation, old.position) != (new.rotation, new.position));
         let units = Units { light: self.prepared.units.light, ..Units::of(&new.objects) };
         // Triangles are cut for their lights, and lengths are internal.
-        let fits = !placed || (self.fixed.asked.is_none() && units.length == self.prepared.units.length);
+        let fits = !placed || (!self.cut_for_light() && units.length == self.prepared.units.length);
         if !meshes || !fits || old.transport != new.transport || (shape && !self.keeps_trees(new)) {
             return self.renew(|scene| *scene = new.clone());
         }
@@ -167,7 +167,9 @@ impl Session {
 
     /// Whether a new session for these deformations would have the same trees.
     fn keeps_trees(&mut self, new: &Scene) -> bool {
-        if self.fixed.asked.is_some() || self.prepared.spoilt.iter().any(Option::is_some) {
+        let other = |(old, new): (&Object, &Object)| old.deforms.is_empty() != new.deforms.is_empty();
+        let divided = self.fixed.asked.is_some() && self.scene.objects.iter().zip(&new.objects).any(other);
+        if self.cut_for_light() || divided || self.prepared.spoilt.iter().any(Option::is_some) {
             return false;
         }
         let (prepared, hierarchy) = (&mut self.prepared, new.transport.hierarchy);
@@ -181,10 +183,9 @@ impl Session {
 
     /// Places the objects as they are in a scene with the same objects and lengths.
     fn set_places(&mut self, new: &Scene, units: Units) -> Result<()> {
+        let objects = self.scenes().flat_map(|scene| scene.objects.iter_mut().zip(&new.objects));
+        objects.for_each(|(own, new)| (own.rotation, own.position) = (new.rotation, new.position));
         let (state, scene) = (&mut self.prepared.state, &mut self.scene);
-        for (own, new) in scene.objects.iter_mut().zip(&new.objects) {
-            (own.rotation, own.position) = (new.rotation, new.position);
-        }
         let before = Layout::of(state);
         // Where the middle of the scene is another one, every place in it is rounded in another way.
         let all = units != self.prepared.units || before.shadow_words != [0; 2];
@@ -204,9 +205,8 @@ impl Session {
 
     /// Adopts the deformations of a scene with the same objects.
     fn set_deforms(&mut self, new: &Scene) -> Result<()> {
-        for (own, new) in self.scene.objects.iter_mut().zip(&new.objects) {
-            own.deforms.clone_from(&new.deforms);
-        }
+        let objects = self.scenes().flat_map(|scene| scene.objects.iter_mut().zip(&new.objects));
+        objects.for_each(|(own, new)| own.deforms.clone_from(&new.deforms));
         let inputs = [
             BufferId::deforms,
             BufferId::morphs,
@@ -253,9 +253,7 @@ impl Session {
     /// stages before `tone` depend on.
     pub fn set_camera(&mut self, new: &Camera) -> Result<()> {
         let before = std::mem::replace(&mut self.scene.camera, new.clone());
-        if let Some(asked) = &mut self.fixed.asked {
-            asked.camera = new.clone();
-        }
+        self.fixed.asked.iter_mut().for_each(|asked| asked.camera = new.clone());
         if before == (Camera { exposure: before.exposure, tone: before.tone, ..new.clone() }) {
             tones(&mut self.prepared.state, new);
             return self.send(&[BufferId::tones]);

@@ -22,7 +22,8 @@ pub struct FaceLight {
     pub area: f64,
     /// Irradiance E that enters, after Fresnel, r g b.
     pub irradiance: [f64; 3],
-    /// Radiosity B that leaves, before Fresnel, r g b.
+    /// Radiosity B that leaves, before Fresnel, r g b: at the centroid, or the mean over a triangle that was
+    /// subdivided.
     pub radiosity: [f64; 3],
     /// Estimated error of the radiosity, r g b, if [`crate::Options::estimate`] asks for it.
     pub estimate: Option<[f64; 3]>,
@@ -93,33 +94,44 @@ fn rows(session: &Session) -> Vec<FaceLight> {
     session.scene().objects.iter().enumerate().flat_map(of_object).collect()
 }
 
-/// Combines the rows of a subdivided object's parts into rows of its original triangles: mean irradiance over the
-/// triangle, radiosity of the part at its centre.
+/// Combines the rows of a subdivided object's parts into rows of its original triangles: means over their area. A mean
+/// of estimates is an estimate of the mean's error.
 fn put_together(parts: Vec<FaceLight>, made: &Parts, before: u32) -> Vec<FaceLight> {
-    let mut sums = vec![(0.0, DVec3::ZERO, DVec3::ZERO); made.whole.len()];
-    for (row, &whole) in parts.iter().zip(&made.of) {
-        let (area, center, light) = &mut sums[whole as usize];
-        *area += row.area;
-        *center += row.area * row.center;
-        *light += row.area * DVec3::from_array(row.irradiance);
-    }
-    let whole = |(face, &middle): (usize, &u32)| {
-        let (row, (area, center, light)) = (&parts[middle as usize], sums[face]);
-        let mean = |sum: DVec3, else_: DVec3| if area > 0.0 { sum / area } else { else_ };
-        FaceLight {
-            object: row.object,
-            input_face: made.input_face[face],
-            center: mean(center, row.center),
-            area,
-            irradiance: mean(light, DVec3::from_array(row.irradiance)).to_array(),
-            radiosity: row.radiosity,
-            estimate: row.estimate.map(|own| {
-                let missed = made.missed.get(middle as usize).copied().unwrap_or_default();
-                [0, 1, 2].map(|c| own[c].hypot(missed[c]))
-            }),
-            noise: row.noise,
-            triangle: made.whole[face].map(|v| v + before),
+    let mut areas = vec![0.0; made.whole.len()];
+    parts.iter().zip(&made.of).for_each(|(row, &whole)| areas[whole as usize] += row.area);
+    let mut rows: Vec<FaceLight> = (made.middle.iter().zip(&made.whole).zip(&made.input_face))
+        .map(|((&middle, triangle), &input_face)| {
+            let (row, none) = (&parts[middle as usize], [0.0; 3]);
+            FaceLight {
+                area: 0.0,
+                center: DVec3::ZERO,
+                irradiance: none,
+                radiosity: none,
+                estimate: row.estimate.map(|_| none),
+                noise: row.noise,
+                triangle: triangle.map(|v| v + before),
+                input_face,
+                object: row.object,
+            }
+        })
+        .collect();
+    for (part, (row, &of)) in parts.iter().zip(&made.of).enumerate() {
+        let whole = &mut rows[of as usize];
+        // Triangles without an area have the values of one of their parts.
+        let share = if areas[of as usize] > 0.0 {
+            row.area / areas[of as usize]
+        } else {
+            f64::from(made.middle[of as usize] as usize == part)
+        };
+        let add = |sum: &mut [f64; 3], more: [f64; 3]| (0..3).for_each(|c| sum[c] += share * more[c]);
+        whole.area += row.area;
+        whole.center += share * row.center;
+        add(&mut whole.irradiance, row.irradiance);
+        add(&mut whole.radiosity, row.radiosity);
+        if let (Some(sum), Some(own)) = (&mut whole.estimate, row.estimate) {
+            let missed = made.missed.get(part).copied().unwrap_or_default();
+            add(sum, [0, 1, 2].map(|c| own[c].hypot(missed[c])));
         }
-    };
-    made.middle.iter().enumerate().map(whole).collect()
+    }
+    rows
 }

@@ -8,8 +8,9 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Buffer, Device};
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Changes, Options};
+use crate::prepare::camera::tones;
 use crate::scene::Scene;
-use crate::view::picture::Picture;
+use crate::view::picture::{Picture, metered};
 
 impl Session {
     /// Prepares a scene for a device, or for the CPU if there is none.
@@ -52,8 +53,8 @@ impl Session {
 
     /// The picture: of the last frame, or the mean over all samples after [`Session::sample`].
     pub fn picture(&mut self) -> Result<Picture> {
-        let slot = if self.sampled { BufferId::mean } else { BufferId::radiance };
-        self.fetch(&[BufferId::hits, slot])?;
+        self.meter()?;
+        self.fetch(&[BufferId::hits, self.pixels()])?;
         self.check_rays()?;
         let data = &self.prepared.state.data;
         let pixels = if self.sampled { data.mean.clone() } else { data.radiance.clone() };
@@ -87,8 +88,51 @@ impl Session {
         Ok(self.gpu.as_ref().and_then(|gpu| gpu.buffer(BufferId::shown)))
     }
 
+    /// The buffer of the picture.
+    fn pixels(&self) -> BufferId {
+        if self.sampled { BufferId::mean } else { BufferId::radiance }
+    }
+
+    /// Sets the exposure by the picture of the last frame, if the camera is metered: to one that was held, or by what
+    /// is seen of translucent objects, or of all if none is seen.
+    fn meter(&mut self) -> Result<()> {
+        if !self.scene.camera.metered {
+            return Ok(());
+        }
+        let exposure = match self.held {
+            Some(held) => held,
+            None => {
+                self.fetch(&[BufferId::hits, self.pixels()])?;
+                let (state, data) = (&self.prepared.state, &self.prepared.state.data);
+                let pixels = if self.sampled { &data.mean } else { &data.radiance };
+                let of = |opaque: bool| -> Vec<f32> {
+                    let seen = |face: u32| {
+                        face < data.triangles.len() as u32
+                            && (opaque || !state.objects[state.object_of(face as usize)].opaque)
+                    };
+                    let seen = data.hits.iter().zip(pixels).filter(|(hit, _)| seen(hit.face));
+                    seen.map(|(_, pixel)| pixel.iter().copied().fold(0.0, f32::max)).collect()
+                };
+                let translucent = of(false);
+                metered(if translucent.is_empty() { of(true) } else { translucent }, self.scene.camera.tone)
+            }
+        };
+        if exposure == self.scene.camera.exposure {
+            return Ok(());
+        }
+        self.scene.camera.exposure = exposure;
+        tones(&mut self.prepared.state, &self.scene.camera);
+        self.send(&[BufferId::tones])
+    }
+
+    /// Keeps the exposure of the last picture for those to come, where the camera is metered: a film does not flicker.
+    pub fn hold_exposure(&mut self) {
+        self.held = Some(self.scene.camera.exposure);
+    }
+
     /// Exposes the picture of the last frame.
     fn tone(&mut self) -> Result<()> {
+        self.meter()?;
         let steps = self.plan.steps(&self.prepared.state, Change::TONE);
         self.run(&steps).map(drop)
     }

@@ -55,16 +55,18 @@ impl Session {
         device.map_or(Ok(()), |_| holds(scene))?;
         let units = Units::of(&scene.objects);
         reach(&scene.objects, units)?;
-        // Subdivide where lighting needs it; code below sees only that scene.
-        let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
         let linked = matches!(options.transport, ShadingMethod::Hierarchy | ShadingMethod::Auto);
         let blocks = scene.transport.scheme == Scheme::Blocks && linked;
-        let (scene, parts) = match &asked {
-            Some(asked) => {
-                subdivide(asked, options.estimate && (blocks || options.transport == ShadingMethod::Diffusion))?
-            }
-            None => (scene.clone(), Vec::new()),
+        // Subdivide where light and radiosity need it; code below sees only that scene.
+        let estimate = options.estimate && (blocks || options.transport == ShadingMethod::Diffusion);
+        let finer = if local.is_none() { subdivide(scene, options, estimate)? } else { None };
+        let (asked, (scene, parts)) = match finer {
+            Some(finer) => (Some(scene.clone()), finer),
+            None => (None, (scene.clone(), Vec::new())),
         };
+        if asked.is_some() {
+            memory_estimate::check(&scene, options)?;
+        }
         let choice =
             Choice::of(&scene, options.transport, before.as_deref().map(|before| (&before.choice, &before.scene)))?;
         let solves = choice.solves(&scene);
@@ -97,6 +99,7 @@ impl Session {
             None => device.map(|device| DeviceState::new(device, false)).transpose()?,
         };
         let (retries, relinks) = before.as_deref().map_or((0, 0), |before| (before.retries, before.relinks));
+        let held = before.as_deref().and_then(|before| before.held);
         let fixed = Fixed { asked, options, room, receivers };
         let mut session = Self {
             prepared,
@@ -111,6 +114,7 @@ impl Session {
             parts,
             not_kept: None,
             sampled: false,
+            held,
             shifted: false,
             failed: false,
             scene,

@@ -16,7 +16,7 @@ impl Session {
     #[must_use]
     pub fn leaves_out_borders(&self) -> bool {
         self.state().method.estimate
-            && self.parts().is_empty()
+            && !self.cut_for_light()
             && self.plan().has(&shadow::STAGE)
             && self.state().data.lights.iter().any(casts)
     }

@@ -1,16 +1,20 @@
-//! Subdivides triangles for lighting where a single value of irradiance is too coarse: at the borders of shadows and
+//! Subdivides triangles: those that are long against the mean free path first (see `coarse`), then, for
+//! `transport.subdivide`, where a single value of irradiance is too coarse: at the borders of shadows and
 //! spot cones (the first item of the paper's future work). A triangle is split in four if the mean irradiance of its
 //! parts differs from its own by more than the tolerance times the object's root mean square; parts likewise, up to
 //! the scene's number of levels. Where irradiance varies smoothly over a triangle no split is needed: light enters at
 //! the right place on the whole.
 
+use glam::DVec3;
+
 use super::run::Session;
 use crate::error::{Input, Result};
 use crate::pipeline::frame::precedes_transport;
-use crate::pipeline::plan::{Change, Goal, Options};
+use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use crate::prepare::coarse::{Divided, Long, divide};
 use crate::prepare::shape::moved;
 use crate::prepare::units::Units;
-use crate::scene::{Mesh, Object, Scene};
+use crate::scene::{Mesh, Object, Receivers, Scene};
 
 /// Tolerance of the solution that estimates the remaining error.
 const ROUGH: f64 = 0.1;
@@ -22,23 +26,29 @@ pub struct Parts {
     pub whole: Vec<[u32; 3]>,
     /// For each part, its original triangle.
     pub of: Vec<u32>,
-    /// For each original triangle, the part at its centre.
+    /// For each original triangle, the part at its centre, or nearest to it.
     pub middle: Vec<u32>,
     /// For each original triangle, its face in the input.
     pub input_face: Vec<u32>,
+    /// If triangles were divided because they are long, how many parts are too long still.
+    pub long: Option<usize>,
     /// For each part, the radiosity that may be missing because irradiance still varies over parts, in the units of
     /// B, per channel; empty unless an estimate was requested.
     pub missed: Vec<[f64; 3]>,
 }
 
-/// The scene with its triangles subdivided for its lights, and each object's parts. With `estimate`, the parts also
-/// say how much radiosity is still missing at borders.
-pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
+/// The scene with its triangles subdivided for its materials and lights, and each object's parts; none if none needs
+/// it. With `estimate`, the parts also say how much radiosity is still missing at borders of shadows.
+pub fn subdivide(scene: &Scene, options: Options, estimate: bool) -> Result<Option<(Scene, Vec<Parts>)>> {
+    let divided = divided(scene, options)?;
+    if scene.transport.subdivide == 0 && divided.iter().all(Option::is_none) {
+        return Ok(None);
+    }
     let mut fine = scene.clone();
-    fine.transport.subdivide = 0;
+    (fine.transport.subdivide, fine.transport.divided) = (0, true);
     // Subdivide the deformed shape, so that parts lie on it and stay connected.
     let units = Units::of(&scene.objects);
-    for object in &mut fine.objects {
+    for object in fine.objects.iter_mut().filter(|_| scene.transport.subdivide > 0) {
         if let Some(places) = moved(object, units) {
             let own = units.own(object);
             object.mesh.positions = places.into_iter().map(|p| own.outside(p)).collect();
@@ -46,8 +56,15 @@ pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
         object.deforms.clear();
     }
     let mut parts: Vec<Parts> = scene.objects.iter().map(|object| whole(&object.mesh)).collect();
+    for ((object, parts), divided) in fine.objects.iter_mut().zip(&mut parts).zip(divided) {
+        if let Some(Divided { mesh, from, left }) = divided {
+            parts.divide(&object.mesh, &mesh, from);
+            parts.long = Some(left);
+            *object = Object { mesh, ..object.clone() };
+        }
+    }
     for left in (0..=scene.transport.subdivide).rev() {
-        if left == 0 && !estimate {
+        if scene.transport.subdivide == 0 || left == 0 && !estimate {
             break;
         }
         // Split all triangles, twice except at the last level, to see where that changes their irradiance: a border
@@ -83,7 +100,21 @@ pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
             break;
         }
     }
-    Ok((fine, parts))
+    Ok(Some((fine, parts)))
+}
+
+/// Meshes of the objects whose triangles are long, divided.
+fn divided(scene: &Scene, options: Options) -> Result<Vec<Option<Divided>>> {
+    let transport = &scene.transport;
+    let alone = matches!(options.transport, ShadingMethod::Walk | ShadingMethod::None);
+    if alone || transport.divided || transport.receivers == Receivers::Faces {
+        return Ok(vec![None; scene.objects.len()]);
+    }
+    let of = |object: &Object| match object.deforms.is_empty() {
+        true => divide(&object.mesh, &object.material, &scene.memory),
+        false => Ok(None),
+    };
+    scene.objects.iter().map(of).collect()
 }
 
 impl Session {
@@ -91,6 +122,66 @@ impl Session {
     pub fn triangle(&self, face: usize) -> u32 {
         let (object, part) = self.prepared.source(face);
         self.parts.get(object).map_or(part, |parts| parts.of[part as usize])
+    }
+
+    /// A line for each object whose triangles were divided, or would be if it did not deform.
+    #[must_use]
+    pub fn divisions(&self) -> Vec<String> {
+        let asked = self.fixed.asked.iter().flat_map(|asked| &asked.objects);
+        let line = |((number, asked), parts): ((usize, &Object), &Parts)| {
+            let whole = asked.mesh.triangles.len();
+            parts.long.map(|left| {
+                let left = if left > 0 { format!(", of which {left} are long still") } else { String::new() };
+                format!(
+                    "object {number}: triangles longer than the distance over which radiosity changes at edges are \
+                     divided: {whole} become {}{left} (transport.receivers = \"faces\" leaves them)",
+                    parts.of.len()
+                )
+            })
+        };
+        let deforms = |(number, object): (usize, &Object)| {
+            let auto = self.scene.transport.receivers == Receivers::Auto && !object.deforms.is_empty();
+            (auto && Long::of(&object.mesh, &object.material).is_some()).then(|| {
+                format!(
+                    "object {number}: triangles longer than the distance over which radiosity changes at edges are not \
+                     divided, since it deforms"
+                )
+            })
+        };
+        let deformed = self.scene.objects.iter().enumerate().filter_map(deforms);
+        asked.enumerate().zip(&self.parts).filter_map(line).chain(deformed).collect()
+    }
+
+    /// Whether each triangle of the state is one that would be divided, but was not since its object deforms or
+    /// receivers are to be the triangles as they are; empty if none is.
+    #[must_use]
+    pub fn left_long(&self) -> Vec<bool> {
+        let mut all = Vec::new();
+        if self.fixed.options.transport == ShadingMethod::Walk {
+            // Its values are means.
+            return all;
+        }
+        for (number, object) in self.scene.objects.iter().enumerate() {
+            if self.scene.transport.divided && object.deforms.is_empty() {
+                continue;
+            }
+            let Some(long) = Long::of(&object.mesh, &object.material) else { continue };
+            all.resize(self.state().data.triangles.len(), false);
+            for (face, place) in self.prepared.places(number).into_iter().enumerate() {
+                all[place] = object.mesh.corners(face).is_some_and(|corners| long.is(corners));
+            }
+        }
+        all
+    }
+
+    /// The scene as it was asked for, if it was subdivided, and as it is.
+    pub(super) fn scenes(&mut self) -> impl Iterator<Item = &mut Scene> {
+        self.fixed.asked.iter_mut().chain([&mut self.scene])
+    }
+
+    /// Whether triangles are subdivided where their lights need it.
+    pub(super) fn cut_for_light(&self) -> bool {
+        self.fixed.asked.as_ref().is_some_and(|asked| asked.transport.subdivide > 0)
     }
 
     /// The radiosity that may be missing at a triangle of the state because of shadow borders, in the units of B.
@@ -107,12 +198,26 @@ fn whole(mesh: &Mesh) -> Parts {
         whole: mesh.triangles.clone(),
         of: all.clone(),
         middle: all,
+        long: None,
         input_face: mesh.input_face.clone(),
         missed: Vec::new(),
     }
 }
 
 impl Parts {
+    /// The parts of a mesh that was divided, each of which comes from one of its triangles.
+    fn divide(&mut self, whole: &Mesh, mesh: &Mesh, from: Vec<u32>) {
+        let center = |mesh: &Mesh, face: usize| mesh.corners(face).map_or(DVec3::ZERO, |[a, b, c]| (a + b + c) / 3.0);
+        let mut nearest = vec![f64::INFINITY; self.middle.len()];
+        for (part, &of) in (0..).zip(&from) {
+            let distance = center(mesh, part as usize).distance_squared(center(whole, of as usize));
+            if distance < nearest[of as usize] {
+                (nearest[of as usize], self.middle[of as usize]) = (distance, part);
+            }
+        }
+        self.of = from;
+    }
+
     /// Updates the parts after some were split; `from` is, for each new part, the part that it comes from.
     fn cut(&mut self, cut: &[bool], from: &[u32]) {
         // The first new part of each old one. An unsplit part stays the middle; of four parts the last is in the

@@ -44,6 +44,36 @@ pub fn filmic(exposed: f64) -> f64 {
     curve(2.0 * exposed.clamp(0.0, 5.6)) / curve(11.2)
 }
 
+/// The share of what is seen of translucent objects that a metered exposure shows darker than `METERED_SHOWN`.
+const METERED_SHARE: f64 = 0.98;
+/// What it shows that share of, sRGB: just below white.
+const METERED_SHOWN: f64 = 245.0 / 255.0;
+/// Its range.
+const METERED_RANGE: [f64; 2] = [1e-30, 1e30];
+
+/// The exposure at which 98 % of these pixels, each by its brightest channel, are shown darker than 245 of 255; rounded
+/// to a sixteenth of a stop, so that devices whose pixels differ in last bits expose alike. 1 where all are dark.
+#[must_use]
+pub fn metered(mut brightest: Vec<f32>, tone: Tone) -> f64 {
+    if brightest.is_empty() {
+        return 1.0;
+    }
+    let at = ((brightest.len() - 1) as f64 * METERED_SHARE) as usize;
+    let radiance = f64::from(*brightest.select_nth_unstable_by(at, f32::total_cmp).1);
+    if radiance.is_nan() || radiance <= 0.0 {
+        return 1.0;
+    }
+    let shown = |exposed: f64| encode(if tone == Tone::Filmic { filmic(exposed) } else { exposed });
+    // Both curves rise from 0 to 1 within 0 to 5.6.
+    let (mut below, mut above) = (0.0, 5.6);
+    for _ in 0..60 {
+        let middle = 0.5 * (below + above);
+        *if shown(middle) < METERED_SHOWN { &mut below } else { &mut above } = middle;
+    }
+    let stops = (above / radiance).clamp(METERED_RANGE[0], METERED_RANGE[1]).log2();
+    ((16.0 * stops).round() / 16.0).exp2()
+}
+
 /// A channel's radiance as sRGB: exposure, tone curve, sRGB curve, rounding.
 pub(super) fn byte(radiance: f32, exposure: f64, tone: Tone) -> u8 {
     let exposed = f64::from(radiance) * exposure;

@@ -46,7 +46,9 @@ fn plan(folder: &TempDir, name: &str) -> serde_json::Value {
 #[test]
 fn thin_triangles_are_named_before_they_take_minutes() {
     let folder = folder(&[("fan.obj", &fan(8000)), ("few.obj", &fan(500))]);
-    let said = first_notice(&mut program(&folder, "solve fan.obj -o a.csv --device cpu")).unwrap();
+    let said =
+        first_notice(&mut program(&folder, "solve fan.obj -o a.csv --device cpu --set transport.receivers=faces"))
+            .unwrap();
     assert!(said.contains("of 8,000 triangles for each receiver") && said.contains("long and thin"), "{said}");
     assert!(said.contains("remesh"), "{said}");
     // A picture by rays only.

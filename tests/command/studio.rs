@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::shell::{bad, folder, good, names, program, read, said};
+use crate::shell::{bad, bytes, folder, good, names, program, read, said};
 
 /// A box of 4 x 2 x 1, thin along y, as an OBJ file.
 fn sheet() -> String {
@@ -56,6 +56,36 @@ fn a_mesh_alone_is_shown_in_a_studio() {
     // `solve` and a scene file keep their own light.
     let (out, _) = good(&here, "plan sheet.obj");
     assert!(out.contains("the material's surface reflects nothing"), "{out}");
+}
+
+#[test]
+fn the_studio_is_printed_as_a_scene_that_looks_the_same_and_exposed_for_what_it_shows() {
+    let here = folder(&[("sheet.obj", &sheet())]);
+    let (text, _) = good(&here, "scenes sheet.obj");
+    std::fs::write(here.path().join("studio.toml"), &text).unwrap();
+    good(&here, "render sheet.obj -o a.png --size 64x64");
+    let (_, err) = good(&here, "render studio.toml -o b.png --size 64x64");
+    assert!(bytes(&here, "a.png") == bytes(&here, "b.png"), "{text}");
+    assert!(text.contains("exposure = \"auto\"") && err.contains(", exposure "), "{err}");
+    // The brightest pixels of the object are just below white. Where the backdrop does not matter, the object is.
+    for shade in [0, 1] {
+        let flat = format!("camera.background={shade} --set camera.samples=1 --set camera.exposure=1");
+        good(&here, &format!("render studio.toml -o {shade}.png --size 64x64 --transport none --set {flat}"));
+    }
+    let [black, white] = ["0.png", "1.png"].map(|name| pixels(&here.path().join(name)));
+    let shown = |name: &str| -> Vec<u8> {
+        let all = pixels(&here.path().join(name));
+        let seen = all.pixels().zip(black.pixels().zip(white.pixels())).filter(|(_, (black, white))| black == white);
+        let mut shown: Vec<u8> = seen.map(|(pixel, _)| *pixel.0.iter().max().unwrap()).collect();
+        shown.sort_unstable();
+        shown
+    };
+    let own = shown("a.png");
+    let bright = own[own.len() * 98 / 100];
+    assert!(own.len() > 200 && (235..=250).contains(&bright), "{bright} of {} pixels", own.len());
+    good(&here, "render studio.toml -o c.png --size 64x64 --set camera.exposure=9");
+    assert!(shown("c.png").iter().filter(|&&x| x == 255).count() > own.len() / 4, "washed out at 9");
+    bad(&here, "render studio.toml -o d.png --set camera.exposure='bright'", 2, &["a number or \"auto\""]);
 }
 
 #[test]

@@ -169,7 +169,7 @@ fn a_mesh_a_frame() {
     // First other positions, then other triangles.
     let tall = |top: f64| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {top}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
     let scene = "[camera]\nposition = [3, 3, 3]\nsize = [24, 24]\n[[light]]\ntype = 'directional'\ndirection = [1, 2, 1]\n\
-                 irradiance = 1\n[[object]]\nmesh = 'm/f%02d.obj'\nmaterial = { preset = 'marble', scale = 20 }\n";
+                 irradiance = 1\n[transport]\nreceivers = 'faces'\n[[object]]\nmesh = 'm/f%02d.obj'\nmaterial = { preset = 'marble', scale = 20 }\n";
     let here = folder(&[("moving.toml", scene)]);
     std::fs::create_dir(here.path().join("m")).unwrap();
     let write = |name: &str, text: String| std::fs::write(here.path().join("m").join(name), text).unwrap();

@@ -19,10 +19,12 @@ pub fn scene(name: &str, sets: &[&str]) -> Scene {
 /// Settings that remove the Fresnel boundary: all light passes.
 pub const CLEAR: &str = "object.0.material.eta=1";
 
-/// Irradiance of each face of the mesh, in its order and in the scene's units, by the CPU reference.
+/// Irradiance of each face of the mesh as it is, in its order and in the scene's units, by the CPU reference.
 pub fn irradiance(scene: &Scene) -> Vec<DVec3> {
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(scene, None, options).unwrap();
+    let mut scene = scene.clone();
+    scene.transport.divided = true;
+    let mut session = Session::new(&scene, None, options).unwrap();
     session.prepare_light();
     let (irradiance, light) = (&session.state().data.irradiance, session.units().light);
     let value = |face: usize| DVec3::from_array(irradiance[face].map(f64::from)) * light;

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod clusters;
+mod coarse;
 mod diffusion;
 mod diffusion_auto;
 mod diffusion_frames;

@@ -13,6 +13,8 @@ fn scene(sets: &[&str]) -> Scene {
     let mut all =
         vec!["object.0.detail=12", "light.0={ type = 'directional', direction = [0.2, 0.3, 1], irradiance = 3 }"];
     all.push("object.0.size=20");
+    // Not where triangles are long against the mean free path.
+    all.push("transport.receivers='faces'");
     // A slanted plate above part of the slab: its shadow border crosses triangles in all directions.
     all.push(
         "object.1={ shape = 'slab', detail = 4, size = 14, position = [3, 4, 12], rotation = [0, 0, 33], \
@@ -120,10 +122,10 @@ fn the_estimate_knows_what_a_border_still_misses() {
 fn only_what_needs_it_is_cut() {
     let mut unlit = scene(&["transport.subdivide=3"]);
     unlit.lights.clear();
-    let (_, parts) = subdivide(&unlit, false).unwrap();
+    let (_, parts) = subdivide(&unlit, options(), false).unwrap().unwrap();
     assert_eq!(parts[0].of.len(), parts[0].whole.len());
     let mut lit = scene(&["transport.subdivide=1"]);
-    let (fine, parts) = subdivide(&lit, false).unwrap();
+    let (fine, parts) = subdivide(&lit, options(), false).unwrap().unwrap();
     let [whole, part] = [&lit, &fine].map(|scene| scene.objects[0].mesh.triangles.len());
     assert!(part > whole && part < 2 * whole, "{whole} {part}");
     // Every triangle has all of its parts, and its centre is in one of them.
@@ -134,7 +136,7 @@ fn only_what_needs_it_is_cut() {
     // Without the plate there is no border.
     lit.objects.truncate(1);
     lit.lights.truncate(1);
-    let (_, parts) = subdivide(&lit, false).unwrap();
+    let (_, parts) = subdivide(&lit, options(), false).unwrap().unwrap();
     assert_eq!(parts[0].of.len(), whole);
 }
 

@@ -98,9 +98,10 @@ pub(super) enum Expected {
 }
 
 impl Setup {
-    /// The scene, with further settings.
+    /// The scene, with further settings; its triangles stay as they are, however long.
     pub fn scene(&self, more: &[String]) -> Result<Scene> {
         let mut scene = Scene::parse("stress", BASE, &[&self.set, more].concat())?;
+        scene.transport.divided = true;
         let object = &mut scene.objects[0];
         if let Some(shape) = &self.mesh {
             object.mesh = shape.mesh()?;

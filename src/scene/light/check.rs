@@ -1,23 +1,22 @@
 //! Turns `[[light]]` of the file into a validated light.
 
-use super::super::object::Object;
 use super::super::range::{self, Checked};
 use super::super::vector::{Rgb, Vector};
 use super::file::{LightFile, LightKind};
 use super::{Light, Sky, Source};
 use crate::error::Input;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 /// A kind's name, its required keys, and its optional keys besides `type`.
 type Keys = (&'static str, &'static [&'static str], &'static [&'static str]);
 
 fn keys(kind: LightKind) -> Keys {
     match kind {
-        LightKind::Directional => ("directional", &["direction", "irradiance"], &["shadows"]),
+        LightKind::Directional => ("directional", &["irradiance"], &["direction", "position", "target", "shadows"]),
         LightKind::Point => ("point", &["position", "intensity"], &["shadows"]),
-        LightKind::Spot => ("spot", &["position", "direction", "intensity", "outer"], &["inner", "shadows"]),
+        LightKind::Spot => ("spot", &["position", "intensity", "outer"], &["direction", "target", "inner", "shadows"]),
         LightKind::Area => {
-            ("area", &["position", "edge_u", "edge_v", "radiance"], &["two_sided", "samples", "shadows"])
+            ("area", &["position", "edge_u", "edge_v", "radiance"], &["target", "two_sided", "samples", "shadows"])
         }
         LightKind::Environment => ("environment", &[], &["image", "radiance", "intensity", "rotation", "occlusion"]),
     }
@@ -58,8 +57,43 @@ impl Reader<'_> {
         range::point(&self.key("position"), self.needed("position", self.file.position)?.0)
     }
 
+    /// The direction from `position` to `target`, if there is a target.
+    fn aim(&self) -> Checked<Option<DVec3>> {
+        let Some(target) = self.file.target else { return Ok(None) };
+        let (key, place) = (self.key("target"), self.position()?);
+        let target = range::point(&key, target.0)?;
+        if target == place {
+            let fault = Input::new("the target is where the light is").key(key).found(format!("{target}"));
+            return Err(fault.expected("another point"));
+        }
+        Ok(Some((target - place).normalize()))
+    }
+
+    /// The direction in which a spot shines.
     fn direction(&self) -> Checked<DVec3> {
-        range::direction(&self.key("direction"), self.needed("direction", self.file.direction)?.0)
+        let one = "`direction`, or `target` and `position`";
+        match (self.aim()?, self.file.direction) {
+            (Some(aim), None) => Ok(aim),
+            (None, Some(direction)) => range::direction(&self.key("direction"), direction.0),
+            (Some(_), Some(_)) => {
+                let fault = Input::new("both a direction and a target are given").key(self.key("target"));
+                Err(fault.expected(one))
+            }
+            (None, None) => {
+                let what = format!("missing: {} light needs it, or a target", article(self.kind));
+                Err(Input::new(what).key(self.key("direction")).expected(one))
+            }
+        }
+    }
+
+    /// The direction towards a light that is infinitely far away.
+    fn toward(&self) -> Checked<DVec3> {
+        if self.file.position.is_some() && self.file.target.is_none() {
+            let fault = Input::new("a place of a light that is infinitely far away").key(self.key("position"));
+            return Err(fault.expected("none, or a target as well: it shines from that place to the target"));
+        }
+        let direction = self.direction()?;
+        Ok(if self.file.target.is_some() { -direction } else { direction })
     }
 
     fn edge(&self, name: &str, value: Option<Vector>) -> Checked<DVec3> {
@@ -94,10 +128,13 @@ impl Reader<'_> {
             let fault = Input::new("the rectangle has no area").key(self.key("edge_v")).found(found);
             return Err(fault.expected("two edges of any length but zero that are not parallel"));
         }
+        // Turned by the smallest angle, so that it faces its target.
+        let normal = (edge_u / long).cross(edge_v / wide).normalize();
+        let turn = self.aim()?.map_or(DQuat::IDENTITY, |aim| DQuat::from_rotation_arc(normal, aim));
         Ok(Source::Area {
             position: self.position()?,
-            edge_u,
-            edge_v,
+            edge_u: turn * edge_u,
+            edge_v: turn * edge_v,
             radiance: self.amount("radiance", self.file.radiance)?,
             two_sided: self.file.two_sided.unwrap_or(false),
             samples: self.whole("samples", self.file.samples, 4, 1, 64)?,
@@ -141,7 +178,7 @@ impl Light {
         }
         let source = match file.kind {
             LightKind::Directional => Source::Directional {
-                direction: reader.direction()?,
+                direction: reader.toward()?,
                 irradiance: reader.amount("irradiance", file.irradiance)?,
             },
             LightKind::Point => {
@@ -157,28 +194,6 @@ impl Light {
             LightKind::Environment => reader.environment()?,
         };
         Ok(Self { source, shadows: file.shadows.unwrap_or(true) })
-    }
-
-    /// Checks that no part of the light is inside a closed object that light enters, or that has layers, unless the
-    /// object is two-sided.
-    pub(in crate::scene) fn check_outside(&self, objects: &[Object], index: usize) -> Checked<()> {
-        let lets_in = |object: &&Object| {
-            let material = &object.material;
-            !material.two_sided && (material.opaque.is_none() || material.layers.is_some())
-        };
-        let inside = |object: &Object| {
-            let (places, own) = (self.places(), |place: &DVec3| object.unplaced(*place));
-            let found = object.mesh.first_inside(&places.iter().map(own).collect::<Vec<_>>())?;
-            let place = places.into_iter().find(|place| own(place) == found)?;
-            Some((place, object.material.opaque.is_some()))
-        };
-        let Some((place, alone)) = objects.iter().filter(lets_in).find_map(inside) else { return Ok(()) };
-        let fault = Input::new("the light stands in the medium").key(format!("light.{index}.position"));
-        let expected = match alone {
-            true => "a place outside the object or in a cavity of it",
-            false => "a place outside the object or in a cavity of it, or two_sided = true in its material",
-        };
-        Err(fault.found(format!("a light at [{}, {}, {}]", place.x, place.y, place.z)).expected(expected))
     }
 
     /// Checks what holds for all lights of a scene together.
@@ -198,77 +213,5 @@ impl Light {
             return Err(fault.expected("at most one light of type environment"));
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn light(text: &str) -> Result<Light, String> {
-        let file: LightFile = toml::from_str(text).map_err(|e| e.message().to_string())?;
-        Light::check(&file, 1).map_err(|e| e.to_string())
-    }
-
-    #[test]
-    fn reads_every_kind() {
-        let sun = light("type = 'directional'\ndirection = [0, 0, 5]\nirradiance = 2");
-        assert_eq!(sun, Ok(Light::directional(DVec3::Z, [2.0; 3])));
-        let lamp = light("type = 'point'\nposition = [1, 2, 3]\nintensity = [1, 0.5, 0]\nshadows = false");
-        let expected = Light { shadows: false, ..Light::point(DVec3::new(1.0, 2.0, 3.0), [1.0, 0.5, 0.0]) };
-        assert_eq!(lamp, Ok(expected));
-        let spot = light("type = 'spot'\nposition = [0, 0, 1]\ndirection = [0, -2, 0]\nintensity = 1\nouter = 20");
-        let spot = spot.map(|light| light.source);
-        let (position, direction, intensity) = (DVec3::Z, -DVec3::Y, [1.0; 3]);
-        assert_eq!(spot, Ok(Source::Spot { position, direction, intensity, inner: 0.0, outer: 20.0 }));
-        let area = light("type = 'area'\nposition = [0, 0, 1]\nedge_u = [2, 0, 0]\nedge_v = [0, 4, 0]\nradiance = 1");
-        let places = area.map(|light| light.places()).unwrap_or_default();
-        assert_eq!((places.len(), places[0]), (16, DVec3::new(-0.75, -1.5, 1.0)));
-    }
-
-    #[test]
-    fn names_the_key_at_fault() {
-        let spot = "type = 'spot'\nposition = [0, 0, 1]\nintensity = 1\n";
-        let area = "type = 'area'\nposition = [0, 0, 1]\nradiance = 1\nedge_u = [2, 0, 0]\n";
-        let cases = [
-            ("type = 'point'\nintensity = 1".into(), "light.1.position: missing: a point light needs it"),
-            (
-                "type = 'directional'\nintensity = 1".into(),
-                "light.1.intensity: a directional light has no such key; \
-                 expected type, direction, irradiance, shadows",
-            ),
-            (
-                "type = 'point'\nposition = [0, 0, 1]\nintensity = [1, -2, 3]".into(),
-                "light.1.intensity: out of range; found [1, -2, 3]; expected numbers from 0 to 1e30",
-            ),
-            ("type = 'sport'".into(), "unknown variant `sport`, expected one of `directional`, `point`, `spot`"),
-            (format!("{spot}direction = [0, 0, 0]\nouter = 9"), "light.1.direction: a direction of length zero"),
-            (format!("{spot}direction = [0, 0, 1]"), "light.1.outer: missing: a spot light needs it"),
-            (
-                format!("{spot}direction = [0, 0, 1]\nouter = 91"),
-                "light.1.outer: out of range; found 91; expected 1 to 90",
-            ),
-            (
-                format!("{spot}direction = [0, 0, 1]\nouter = 20\ninner = 30"),
-                "light.1.inner: out of range; found 30; expected 0 to 19 degrees",
-            ),
-            (
-                format!("{area}edge_v = [0, 0, 0]"),
-                "light.1.edge_v: the rectangle has no area; found edge_u of length 2",
-            ),
-            (format!("{area}edge_v = [5, 0, 0]"), "light.1.edge_v: the rectangle has no area"),
-            (
-                format!("{area}edge_v = [0, 1, 0]\nsamples = 0"),
-                "light.1.samples: out of range; found 0; expected a whole number from 1 to 64",
-            ),
-            ("type = 'environment'".into(), "light.1.image: neither an image nor a radiance is given"),
-            ("type = 'environment'\nimage = 'a.exr'\nradiance = 1".into(), "light.1.radiance: both an image and"),
-            ("type = 'environment'\nradiance = -1".into(), "light.1.radiance: out of range; found [-1, -1, -1]"),
-            ("type = 'environment'\nradiance = 1\nshadows = true".into(), "light.1.shadows: an environment light"),
-        ];
-        for (text, message) in cases {
-            let error = light(&text).err().unwrap_or_default();
-            assert!(error.starts_with(message), "{error}");
-        }
     }
 }

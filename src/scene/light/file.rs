@@ -26,6 +26,7 @@ macro_rules! keys {
 
 keys! {
     direction: Vector,
+    target: Vector,
     irradiance: Rgb,
     position: Vector,
     intensity: Rgb,

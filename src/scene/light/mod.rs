@@ -1,6 +1,7 @@
 //! The lights of a scene. Directions point towards the light, except a spot's, which points where it shines.
 
 mod check;
+mod facing;
 mod file;
 mod sky;
 
@@ -142,3 +143,6 @@ impl Light {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

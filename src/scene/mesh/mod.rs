@@ -4,6 +4,7 @@ mod bust;
 mod butterfly;
 mod candle;
 mod clean;
+mod creases;
 mod detail;
 mod edges;
 mod fish;
@@ -54,6 +55,8 @@ pub struct Mesh {
     /// For a subdivided mesh, how often each triangle was split in four: the four parts are consecutive, the middle one
     /// last. Empty for any other mesh.
     pub splits: Vec<u8>,
+    /// Whether the scene says how fine it is, by the `detail` of a built-in shape.
+    pub detailed: bool,
 }
 
 /// Minimum extent of a mesh in a file, for which its volume does not underflow.

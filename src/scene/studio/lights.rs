@@ -34,6 +34,11 @@ impl Backdrop {
         })
     }
 
+    /// Whether the lights are those of the mesh file.
+    pub fn is_own(&self) -> bool {
+        matches!(self, Self::Own)
+    }
+
     /// What the camera, with this exposure, shows behind the object.
     pub fn background(&self, exposure: f64) -> Value {
         match self {

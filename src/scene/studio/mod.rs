@@ -7,7 +7,7 @@ mod lights;
 mod pose;
 mod sheet;
 
-pub use pose::Up;
+pub use pose::{Up, ViewFrom};
 
 use super::light::Sky;
 use super::range::Checked;
@@ -16,7 +16,7 @@ use super::{BUILTIN, Files, Preset, Scene, around, locate, read};
 use crate::error::{Input, Result};
 use glam::{DQuat, DVec3};
 use lights::Backdrop;
-use pose::Pose;
+use pose::{Pose, is_gltf};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 use toml::{Table, Value};
@@ -34,6 +34,8 @@ pub struct Wishes {
     pub pixels: Option<[u32; 2]>,
     /// The axis of the mesh that points upwards.
     pub up: Option<Up>,
+    /// Where the camera stands.
+    pub view: Option<ViewFrom>,
     /// Whether it stands on a table.
     pub ground: bool,
     /// An image of the surroundings, `.exr` or `.hdr`.
@@ -146,7 +148,8 @@ impl Studio {
             }
         }
         let own_lights = table.get("light") != toml::from_str::<Table>(&around("")).unwrap_or_default().get("light");
-        let pose = Pose::of(&as_it_is, wishes.ground, table.get("camera").and_then(|c| c.get("position")).is_some());
+        let given = [table.get("camera").is_some_and(|c| c.get("position").is_some()), is_gltf(&text.file)];
+        let pose = Pose::of(&as_it_is, wishes.ground, given, wishes.view);
         let backdrop = Backdrop::of(wishes.environment.as_deref(), own_lights, files)?;
         let sheets = sheet::all(&as_it_is);
         let mut told = depth::told(&as_it_is, &sheets, &text.name, up, wishes.up.is_none() && !turned, &backdrop);
@@ -194,6 +197,9 @@ impl Studio {
             camera.insert("tone".into(), "filmic".into());
             // What the studio adds has the brightness that it is shown with, whatever the file's lights need.
             exposure = camera.get("exposure").and_then(number).unwrap_or(1.0);
+            if !self.backdrop.is_own() && !camera.contains_key("exposure") {
+                camera.insert("exposure".into(), "auto".into());
+            }
             camera.insert("background".into(), self.backdrop.background(exposure));
         }
         if let Some(lights) = self.backdrop.lights(&pose, [self.wishes.ground, self.thin], exposure) {

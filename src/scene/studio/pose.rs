@@ -4,6 +4,7 @@ use super::super::Scene;
 use super::value;
 use glam::{DMat3, DVec3};
 use std::path::Path;
+use std::str::FromStr;
 use toml::Table;
 
 /// The axis of a mesh that points upwards.
@@ -14,6 +15,42 @@ pub enum Up {
     Y,
     /// As in most parts to print or to mill.
     Z,
+}
+
+/// Where the camera stands around an object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewFrom {
+    /// Degrees from the front, +z, towards +x.
+    pub azimuth: f64,
+    /// Degrees above the horizon, -89 to 89.
+    pub elevation: f64,
+}
+
+/// Views by name: azimuth and elevation. Straight from above or below there is no upright.
+const VIEWS: &[(&str, [f64; 2])] = &[
+    ("front", [0.0, 0.0]),
+    ("back", [180.0, 0.0]),
+    ("left", [-90.0, 0.0]),
+    ("right", [90.0, 0.0]),
+    ("top", [0.0, 89.0]),
+];
+
+impl FromStr for ViewFrom {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let named = VIEWS.iter().find(|(name, _)| *name == text).map(|(_, angles)| *angles);
+        let pair = || {
+            let (azimuth, elevation) = text.split_once(',')?;
+            Some([azimuth.trim().parse().ok()?, elevation.trim().parse().ok()?])
+        };
+        let sound = |[azimuth, elevation]: &[f64; 2]| azimuth.abs() <= 3600.0 && elevation.abs() <= 89.0;
+        let [azimuth, elevation] = named.or_else(pair).filter(sound).ok_or_else(|| {
+            let names: Vec<_> = VIEWS.iter().map(|(name, _)| *name).collect();
+            format!("expected {}, or AZIMUTH,ELEVATION in degrees, -89 to 89 above the horizon", names.join(", "))
+        })?;
+        Ok(Self { azimuth, elevation })
+    }
 }
 
 /// The share of an object's height in which its feet end.
@@ -27,15 +64,20 @@ const MARGIN: f64 = 1.15;
 impl Up {
     /// The likely axis: that on whose feet the mesh stands more firmly; in doubt z for STL, else y. glTF has y.
     pub(super) fn guess(file: &Path, scene: &Scene) -> Self {
-        let ends = |end: &str| file.extension().is_some_and(|found| found.eq_ignore_ascii_case(end));
-        if ends("gltf") || ends("glb") {
+        if is_gltf(file) {
             return Self::Y;
         }
         let points: Vec<DVec3> = points(scene).collect();
         let [y, z] = [1, 2].map(|axis| stands(&points, axis));
-        let firm = if ends("stl") { y <= 1.5 * z + 0.1 } else { z > 1.5 * y + 0.1 };
+        let stl = file.extension().is_some_and(|found| found.eq_ignore_ascii_case("stl"));
+        let firm = if stl { y <= 1.5 * z + 0.1 } else { z > 1.5 * y + 0.1 };
         if firm { Self::Z } else { Self::Y }
     }
+}
+
+/// Whether a file is glTF, in which y points upwards and +z is the front.
+pub(super) fn is_gltf(file: &Path) -> bool {
+    file.extension().is_some_and(|found| ["gltf", "glb"].iter().any(|end| found.eq_ignore_ascii_case(end)))
 }
 
 /// All vertices, in the scene.
@@ -85,19 +127,32 @@ pub(super) struct Pose {
 }
 
 impl Pose {
-    /// Around a scene's objects, with the broader side in front; `given`: the scene's camera stays where it is.
-    pub fn of(scene: &Scene, ground: bool, given: bool) -> Self {
+    /// Around a scene's objects, with the broader side in front, or +z if that is the `front`; `given`: the scene's
+    /// camera stays where it is, unless a view is asked for.
+    pub fn of(scene: &Scene, ground: bool, [given, front]: [bool; 2], view: Option<ViewFrom>) -> Self {
         let (low, high) = scene.bounds();
         let (middle, size) = ((low + high) / 2.0, high - low);
         let radius = size.max_element() / 2.0;
         let mut pose = Self { middle, floor: low.y, radius, yaw: 0.0, camera: None };
-        if given {
+        if given && view.is_none() {
             let toward = scene.camera.position - scene.camera.target;
             pose.yaw = (toward.x.atan2(toward.z) - FRONT.x.atan2(FRONT.z)).to_degrees();
             return pose;
         }
-        pose.yaw = if size.z > 1.2 * size.x { 90.0 } else { 0.0 };
-        let toward = (if ground { ABOVE } else { FRONT }).normalize();
+        let usual = if ground { ABOVE } else { FRONT };
+        let aside = usual.x.atan2(usual.z);
+        let toward = match view {
+            // The lights turn with the camera.
+            Some(ViewFrom { azimuth, elevation }) => {
+                pose.yaw = azimuth - aside.to_degrees();
+                let (up, level) = elevation.to_radians().sin_cos();
+                DVec3::new(level * aside.sin(), up, level * aside.cos())
+            }
+            None => {
+                pose.yaw = if size.z > 1.2 * size.x && !front { 90.0 } else { 0.0 };
+                usual.normalize()
+            }
+        };
         let tall = (scene.camera.fov.to_radians() / 2.0).tan();
         let wide = tall * f64::from(scene.camera.size[0]) / f64::from(scene.camera.size[1]);
         let turn = pose.turn();

@@ -152,27 +152,29 @@ fn sheets_are_lit_from_both_sides_and_bodies_from_one() {
     assert!(matches!(scene.lights[2].source, Source::Area { radiance: [thick, ..], .. } if thick > 3.9 * thin));
 }
 
+/// A tetrahedron under a light of this kind, as a glTF file.
+fn lit_by(kind: &str) -> String {
+    let light = match kind {
+        "spot" => "{ \"type\": \"spot\", \"intensity\": 900, \"spot\": {} }".to_owned(),
+        kind => format!("{{ \"type\": \"{kind}\", \"intensity\": 900 }}"),
+    };
+    format!(
+        "{{ \"asset\": {{ \"version\": \"2.0\" }}, \"scene\": 0, \"scenes\": [{{ \"nodes\": [0, 1] }}], \"nodes\": [{{ \"mesh\": \
+         0 }}, {{ \"translation\": [3, 4, 5], \"extensions\": {{ \"KHR_lights_punctual\": {{ \"light\": 0 }} }} }}], \"meshes\": \
+         [{{ \"primitives\": [{{ \"attributes\": {{ \"POSITION\": 0 }}, \"indices\": 1 }}] }}], \"accessors\": [{{ \"bufferView\": \
+         0, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC3\" }}, {{ \"bufferView\": 1, \"componentType\": 5121, \
+         \"count\": 12, \"type\": \"SCALAR\" }}], \"bufferViews\": [{{ \"buffer\": 0, \"byteLength\": 48 }}, {{ \"buffer\": 0, \
+         \"byteOffset\": 48, \"byteLength\": 12 }}], \"buffers\": [{{ \"byteLength\": 60, \"uri\": \
+         \"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID\" \
+         }}], \"extensionsUsed\": [\"KHR_lights_punctual\"], \"extensions\": {{ \"KHR_lights_punctual\": {{ \"lights\": [{light}] \
+         }} }} }}"
+    )
+}
+
 #[test]
 fn what_the_studio_adds_is_as_bright_whatever_the_files_lights_need() {
-    let of = |kind: &str| {
-        let light = match kind {
-            "spot" => "{ \"type\": \"spot\", \"intensity\": 900, \"spot\": {} }".to_owned(),
-            kind => format!("{{ \"type\": \"{kind}\", \"intensity\": 900 }}"),
-        };
-        format!(
-            "{{ \"asset\": {{ \"version\": \"2.0\" }}, \"scene\": 0, \"scenes\": [{{ \"nodes\": [0, 1] }}], \"nodes\": [{{ \"mesh\": \
-             0 }}, {{ \"translation\": [3, 4, 5], \"extensions\": {{ \"KHR_lights_punctual\": {{ \"light\": 0 }} }} }}], \"meshes\": \
-             [{{ \"primitives\": [{{ \"attributes\": {{ \"POSITION\": 0 }}, \"indices\": 1 }}] }}], \"accessors\": [{{ \"bufferView\": \
-             0, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC3\" }}, {{ \"bufferView\": 1, \"componentType\": 5121, \
-             \"count\": 12, \"type\": \"SCALAR\" }}], \"bufferViews\": [{{ \"buffer\": 0, \"byteLength\": 48 }}, {{ \"buffer\": 0, \
-             \"byteOffset\": 48, \"byteLength\": 12 }}], \"buffers\": [{{ \"byteLength\": 60, \"uri\": \
-             \"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID\" \
-             }}], \"extensionsUsed\": [\"KHR_lights_punctual\"], \"extensions\": {{ \"KHR_lights_punctual\": {{ \"lights\": [{light}] \
-             }} }} }}"
-        )
-    };
     for kind in ["point", "spot", "directional"] {
-        let (_folder, _, scene) = named("a.gltf", &of(kind), &[], Wishes::default());
+        let (_folder, _, scene) = named("a.gltf", &lit_by(kind), &[], Wishes::default());
         let camera = &scene.camera;
         assert_eq!((camera.exposure, scene.lights.len()), (683.0, 1), "{kind}");
         let backdrop = format!("{:?}", camera.background);
@@ -180,11 +182,40 @@ fn what_the_studio_adds_is_as_bright_whatever_the_files_lights_need() {
         assert!((0.01..0.2).contains(&shown), "{kind}: {backdrop}");
     }
     let wishes = || Wishes { environment: Some("builtin:sky".into()), ..Wishes::default() };
-    let (_folder, _, own) = named("a.gltf", &of("point"), &[], wishes());
+    let (_folder, _, own) = named("a.gltf", &lit_by("point"), &[], wishes());
     let (_folder, _, bare) = named("a.obj", &table(1, 2.0), &[], wishes());
     let behind = |scene: &Scene| match scene.lights[1].source {
         Source::Area { radiance: [red, ..], .. } => red * scene.camera.exposure,
         _ => f64::NAN,
     };
     assert!((behind(&own) / behind(&bare) - 1.0).abs() < 1e-9, "{} {}", behind(&own), behind(&bare));
+}
+
+#[test]
+fn the_camera_stands_where_it_is_asked_to() {
+    let toward = |name: &str, text: &str, view: Option<&str>| {
+        let view = view.map(|view| view.parse().expect("a view"));
+        let (_folder, _, scene) = named(name, text, &[], Wishes { view, ..Wishes::default() });
+        (scene.camera.position - scene.camera.target).normalize()
+    };
+    let long = table(1, 7.0);
+    let (slant, rise) = ((0.5f64).sqrt(), 30f64.to_radians());
+    for (view, way) in [
+        ("front", DVec3::Z),
+        ("back", -DVec3::Z),
+        ("left", -DVec3::X),
+        ("right", DVec3::X),
+        ("45, 0", DVec3::new(slant, 0.0, slant)),
+        ("-90,30", DVec3::new(-rise.cos(), rise.sin(), 0.0)),
+    ] {
+        let found = toward("a.obj", &long, Some(view));
+        assert!(found.distance(way) < 1e-9, "{view}: {found}");
+    }
+    assert!(toward("a.obj", &long, Some("top")).y > 0.999);
+    for bad in ["above", "0", "0,90", "x,1", "NaN,0"] {
+        assert!(bad.parse::<ViewFrom>().is_err_and(|words| words.contains("front, back, left")), "{bad}");
+    }
+    // Of glTF +z is the front, even where the side is broader.
+    let long = lit_by("point").replace("{ \"mesh\": 0 }", "{ \"mesh\": 0, \"scale\": [1, 1, 9] }");
+    assert!(long.contains("\"scale\"") && toward("a.gltf", &long, None).z > 0.9);
 }
