@@ -1,5 +1,6 @@
 //! `milkglass compare`: what differs between two results of `conform`.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -46,7 +47,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// The changes as a table, and how many there are of each kind.
+/// The changes of what both results have as a table, and how many there are of each kind: of what only one of them has
+/// the number, since it may be a part of the fixtures.
 pub(super) fn described(changes: &[Change]) -> String {
     if changes.is_empty() {
         return "nothing has changed\n".into();
@@ -55,12 +57,30 @@ pub(super) fn described(changes: &[Change]) -> String {
         let Change { kind, device, fixture, stage, what } = change.clone();
         vec![kind.name().to_string(), device, fixture, stage, what]
     };
-    let rows: Vec<_> = changes.iter().map(row).collect();
+    let one_only = |change: &&Change| matches!(change.kind, Kind::Added | Kind::Missing);
+    let rows: Vec<_> = changes.iter().filter(|change| !one_only(change)).map(row).collect();
     let count = |kind: Kind| changes.iter().filter(|change| change.kind == kind).count();
     let counts: Vec<String> = Kind::ALL
         .into_iter()
         .filter(|kind| count(*kind) > 0)
-        .map(|kind| format!("{}: {}", kind.name(), count(kind)))
+        .map(|kind| format!("{}: {}{}", kind.name(), count(kind), fixtures(changes, kind)))
         .collect();
-    format!("{}{}\n", table(["change", "device", "fixture", "stage", "what"], rows), counts.join(", "))
+    let rows = match rows.is_empty() {
+        true => "nothing that both have has changed\n".into(),
+        false => table(["change", "device", "fixture", "stage", "what"], rows),
+    };
+    format!("{rows}{}\n", counts.join(", "))
+}
+
+/// Of how many fixtures comparisons are in one of two results only, and the name if it is one.
+fn fixtures(changes: &[Change], kind: Kind) -> String {
+    if !matches!(kind, Kind::Added | Kind::Missing) {
+        return String::new();
+    }
+    let names: BTreeSet<&str> =
+        changes.iter().filter(|change| change.kind == kind).map(|change| change.fixture.as_str()).collect();
+    match names.first() {
+        Some(name) if names.len() == 1 => format!(" (of {name})"),
+        _ => format!(" (of {} fixtures)", names.len()),
+    }
 }

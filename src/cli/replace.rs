@@ -13,7 +13,7 @@ use milkglass::measure::conform::Row;
 use milkglass::measure::constants::read;
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::replace::{check, unused};
-use milkglass::measure::results::Outcome;
+use milkglass::measure::results::{DeviceFacts, Outcome};
 use milkglass::measure::verdict::verdict;
 use milkglass::scene::Scene;
 
@@ -108,7 +108,8 @@ impl ReplaceArgument {
         let names: Vec<String> = loaded.iter().map(|(name, _)| name.clone()).collect();
         let outcome = |row: &Row| Outcome::new(device.adapter(), row, repeated(device.name()));
         for row in &bad {
-            tell!("\n{}", verdict(&outcome(row), device.limits().subgroup_size.into(), &names));
+            let (facts, layer) = (DeviceFacts::new(device.adapter()), device.layer());
+            tell!("\n{}", verdict(&outcome(row), &facts, layer.as_deref(), &names));
         }
         match bad.as_slice() {
             [] => Ok(Some(device)),

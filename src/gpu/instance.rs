@@ -10,6 +10,9 @@ use super::call::vk_call;
 use super::faults::altered;
 use crate::error::{Error, Result};
 
+/// The layer that checks calls.
+const VALIDATION: &CStr = c"VK_LAYER_KHRONOS_validation";
+
 /// A loaded Vulkan library. Clones share it.
 #[derive(Clone)]
 pub struct Instance(pub(super) Arc<Inner>);
@@ -81,7 +84,7 @@ impl Instance {
         let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&checks);
         let mut info = vk::InstanceCreateInfo::default().application_info(&application);
         if validation {
-            layers.push(c"VK_LAYER_KHRONOS_validation".as_ptr());
+            layers.push(VALIDATION.as_ptr());
             extensions.push(ext::validation_features::NAME.as_ptr());
             info = info.push_next(&mut features);
         }
@@ -112,6 +115,19 @@ impl Instance {
             })?;
         }
         Ok(Self(Arc::new(inner)))
+    }
+
+    /// The version of the validation layer, if it watches.
+    #[must_use]
+    pub fn layer(&self) -> Option<String> {
+        // SAFETY: a plain query on a loaded entry.
+        let layers = unsafe { self.0.entry.enumerate_instance_layer_properties() }.unwrap_or_default();
+        let own = layers.iter().find(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION));
+        let version = |packed: u32| {
+            let [major, minor] = [vk::api_version_major(packed), vk::api_version_minor(packed)];
+            format!("{major}.{minor}.{}", vk::api_version_patch(packed))
+        };
+        own.filter(|_| self.validates()).map(|layer| version(layer.spec_version))
     }
 
     /// Whether the validation layer watches it.

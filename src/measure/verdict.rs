@@ -1,13 +1,25 @@
 //! The text for a failed comparison, ready to be pasted into a bug report to the driver's vendor.
 
 use super::probe::FIXTURE;
-use super::results::{Outcome, Verdict};
+use super::results::{DeviceFacts, Outcome, Verdict, system};
 use crate::pipeline::frame::{owner, stage};
 
-/// Describes the device, the driver, the stage, the fixture and the differences; `replaced` are kernels that do not
-/// come from the build.
+/// The commit that a program was built from, in its name.
 #[must_use]
-pub fn verdict(outcome: &Outcome, subgroup: u64, replaced: &[String]) -> String {
+pub fn commit(commit: Option<&str>) -> String {
+    commit.map_or_else(String::new, |commit| format!(" of commit {commit}"))
+}
+
+/// Which validation layer watched.
+#[must_use]
+pub fn watched(layer: Option<&str>) -> String {
+    layer.map_or_else(|| "no validation layer".into(), |version| format!("validation layer {version}"))
+}
+
+/// Describes the device, the driver, the system with the version of its validation `layer`, the stage, the fixture and
+/// the differences; `replaced` are kernels that do not come from the build.
+#[must_use]
+pub fn verdict(outcome: &Outcome, facts: &DeviceFacts, layer: Option<&str>, replaced: &[String]) -> String {
     let replaced: Vec<&str> = replaced
         .iter()
         .map(String::as_str)
@@ -25,9 +37,10 @@ pub fn verdict(outcome: &Outcome, subgroup: u64, replaced: &[String]) -> String 
         Verdict::DeviceFailed => "the device failed in a stage",
     };
     let mut lines = vec![
-        format!("milkglass {}: {what}", env!("CARGO_PKG_VERSION")),
-        format!("device:  {}, subgroups of {subgroup}", outcome.device),
-        format!("driver:  {}", outcome.driver),
+        format!("milkglass {}{}: {what}", env!("CARGO_PKG_VERSION"), commit(option_env!("MILKGLASS_COMMIT"))),
+        format!("device:  {}", facts.device()),
+        format!("driver:  {}", facts.own_driver()),
+        format!("system:  {}; {}", system(), watched(layer)),
         format!("stage:   {} ({about}){own}", outcome.stage),
         format!("on:      {}", outcome.fixture),
     ];

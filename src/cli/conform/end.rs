@@ -12,7 +12,7 @@ use milkglass::internals::pipeline::frame::owner;
 use milkglass::measure::bias::{Bias, add};
 use milkglass::measure::results::changes::{Thresholds, changes};
 use milkglass::measure::results::{Outcome, Results, Verdict};
-use milkglass::measure::verdict::verdict;
+use milkglass::measure::verdict::{commit, verdict, watched};
 
 /// What stands for the fixture where all of them together show it.
 const ALL: &str = "all fixtures";
@@ -34,9 +34,9 @@ pub(super) fn end(arguments: &Arguments, mut sink: Sink, before: Option<&Results
     let wrong: Vec<&Outcome> =
         outcomes.iter().filter(|outcome| !outcome.verdict.passes() && outcome.known.is_none()).collect();
     for outcome in &wrong {
-        let facts = sink.all.run.devices.iter().find(|facts| facts.name == outcome.device);
-        let lanes = facts.and_then(|facts| facts.limits.get("subgroup_size")).copied().unwrap_or(0);
-        tell!("\n{}", verdict(outcome, lanes, &sink.replaced));
+        let facts = sink.all.run.devices.iter().find(|facts| facts.name == outcome.device).cloned();
+        let layer = sink.all.run.layer.as_deref();
+        tell!("\n{}", verdict(outcome, &facts.unwrap_or_default(), layer, &sink.replaced));
     }
     let stale: Vec<String> = sink.known.iter().filter_map(|known| known.stale(&sink.all)).collect();
     stale.iter().for_each(|what| tell!("--expect: {what}"));
@@ -93,15 +93,16 @@ fn summary(wrong: &[&Outcome]) -> String {
 fn closing(all: &Results) -> Result<()> {
     let mut text = String::new();
     for facts in &all.run.devices {
-        let size = facts.limits.get("subgroup_size").copied().unwrap_or(0);
         let count = all.results.iter().filter(|outcome| outcome.device == facts.name).count();
-        let (version, name, driver) = (&all.run.version, &facts.name, &facts.driver);
-        text += &format!("milkglass {version}, {name}, driver {driver}, subgroups of {size}: {count} comparisons\n");
+        let (version, name, made) = (&all.run.version, &facts.name, commit(all.run.commit.as_deref()));
+        let (device, driver) = (facts.device(), facts.own_driver());
+        text += &format!("milkglass {version}{made}, {device}, driver {driver}: {count} comparisons\n");
         let wrong: Vec<&str> = facts.probes.iter().filter(|fact| !fact.right).map(|fact| fact.name.as_str()).collect();
         let avoided = if wrong.is_empty() { String::new() } else { format!("; avoided: {}", wrong.join(", ")) };
         let (right, all) = (facts.probes.len() - wrong.len(), facts.probes.len());
         text += &format!("{right} of {all} probes of {name} are right{avoided}\n");
     }
+    text += &format!("on {}; {}\n", all.run.system, watched(all.run.layer.as_deref()));
     let known = all.results.iter().filter(|outcome| outcome.known.is_some()).count();
     let count = all.results.len();
     match known {

@@ -16,6 +16,8 @@ pub(super) fn report(all: &Results, known: &[Known]) -> Result<String, Serialize
             ("command", all.run.command.clone()),
             ("version", all.run.version.clone()),
             ("commit", all.run.commit.clone().unwrap_or_default()),
+            ("system", all.run.system.clone()),
+            ("validation_layer", all.run.layer.clone().unwrap_or_default()),
             ("date", all.run.date.clone()),
             ("vendor_id", format!("{:#06x}", facts.vendor_id)),
             ("device_id", format!("{:#06x}", facts.device_id)),

@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         failures.extend(own.probed().into_iter().filter(|outcome| !outcome.verdict.passes()));
         facts.push(own);
     }
-    let mut sink = Sink::open(arguments, &choices, facts, &kernels, known)?;
+    let mut sink = Sink::open(arguments, &choices, instance.layer(), facts, &kernels, known)?;
     if arguments.probe_only {
         return Ok(());
     }

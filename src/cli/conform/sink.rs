@@ -15,7 +15,7 @@ use crate::cli::run_args::quoted;
 use crate::cli::{print, write};
 use milkglass::error::{Input, Result};
 use milkglass::measure::conform::BINS;
-use milkglass::measure::results::{DeviceFacts, Line, Outcome, Results, Run, SCHEMA};
+use milkglass::measure::results::{DeviceFacts, Line, Outcome, Results, Run, SCHEMA, system};
 
 /// Everything that wants to know of a result.
 pub(super) struct Sink {
@@ -35,6 +35,7 @@ impl Sink {
     pub(super) fn open(
         arguments: &Arguments,
         choices: &[Choice],
+        layer: Option<String>,
         devices: Vec<DeviceFacts>,
         kernels: &[(String, Vec<u32>)],
         known: Vec<Known>,
@@ -44,6 +45,8 @@ impl Sink {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION").into(),
             commit: option_env!("MILKGLASS_COMMIT").map(str::to_string),
+            system: system(),
+            layer,
             date: DateTime::<Utc>::from(SystemTime::now()).to_rfc3339_opts(SecondsFormat::Secs, true),
             command: format!("milkglass {}", words.join(" ")),
             most_ulp_of_bins: BINS.to_vec(),

@@ -37,6 +37,12 @@ impl LogicalDevice {
         &self.0.extras
     }
 
+    /// The version of the validation layer, if it watches.
+    #[must_use]
+    pub fn layer(&self) -> Option<String> {
+        self.instance().layer()
+    }
+
     pub(in super::super) fn instance(&self) -> &Instance {
         &self.0.instance
     }

@@ -1,6 +1,8 @@
 //! What results say of a device.
 
 use std::collections::BTreeMap;
+use std::env::consts::{ARCH, OS};
+use std::fs::read_to_string;
 
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +36,19 @@ pub struct DeviceFacts {
     pub probes: Vec<Fact>,
 }
 
+/// The operating system and the processor, as the system tells them.
+#[must_use]
+pub fn system() -> String {
+    let value = |file: &str, key: &str, sign: char| -> Option<String> {
+        let text = read_to_string(file).ok()?;
+        let line = text.lines().find_map(|line| line.strip_prefix(key)?.trim_start().strip_prefix(sign))?;
+        Some(line.trim().trim_matches('"').to_string())
+    };
+    let name = value("/etc/os-release", "PRETTY_NAME", '=').unwrap_or_else(|| OS.into());
+    let processor = value("/proc/cpuinfo", "model name", ':').map_or_else(String::new, |model| format!(", {model}"));
+    format!("{name}, {ARCH}{processor}")
+}
+
 impl DeviceFacts {
     /// What is known of an adapter.
     #[must_use]
@@ -63,6 +78,19 @@ impl DeviceFacts {
             limits: numbers.map(|(name, value)| (name.to_string(), value)).into(),
             probes: Vec::new(),
         }
+    }
+
+    /// The device as a report on it names it.
+    #[must_use]
+    pub fn device(&self) -> String {
+        let size = self.limits.get("subgroup_size").copied().unwrap_or(0);
+        format!("{} ({:#06x}:{:#06x}), subgroups of {size}", self.name, self.vendor_id, self.device_id)
+    }
+
+    /// The driver, likewise.
+    #[must_use]
+    pub fn own_driver(&self) -> String {
+        format!("{} (version {:#x}, Vulkan {})", self.driver, self.driver_version, self.vulkan)
     }
 
     /// The outcome of each probe; one that is wrong fails if kernels rely on it.

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use facts::DeviceFacts;
+pub use facts::{DeviceFacts, system};
 pub use read::read;
 
 use crate::gpu::Adapter;
@@ -31,6 +31,12 @@ pub struct Run {
     pub version: String,
     /// The commit it was built from, where the build could tell.
     pub commit: Option<String>,
+    /// The operating system and the processor.
+    #[serde(default)]
+    pub system: String,
+    /// The version of the validation layer, if it watched.
+    #[serde(default)]
+    pub layer: Option<String>,
     /// When it began: UTC, `2026-01-31T23:59:59Z`.
     pub date: String,
     /// The command.
