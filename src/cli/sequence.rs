@@ -1,4 +1,5 @@
-//! `milkglass render --frames`: one picture per frame, the same as if each were rendered alone.
+//! `milkglass render --frames`: one picture per frame, the same as if each were rendered alone, but for a metered
+//! exposure, which is that of frame 0.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ impl Job<'_> {
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left") {
             bar.set_style(style);
         }
-        let mut session = None;
+        let mut session = self.metered(device)?;
         let mut one = |frame: i32| -> Result<()> {
             let mut scene = self.scenes.at(f64::from(frame))?;
             scene.camera = scene.camera.clone().sized(self.size.unwrap_or(scene.camera.size))?;
@@ -84,7 +85,6 @@ impl Job<'_> {
             run_frame(session, Change::default())?;
             check_messages(device)?;
             shoot(session, self.aov, &output(frame), Samples::hidden())?;
-            session.hold_exposure();
             check_messages(device)?;
             bar.inc(1);
             Ok(())
@@ -102,6 +102,28 @@ impl Job<'_> {
         let seconds = start.elapsed().as_secs_f64();
         tell!("{count} frames{there}, on {place}, {seconds:.1} s");
         Ok(())
+    }
+}
+
+impl Job<'_> {
+    /// A session that has found the exposure of a film whose camera is metered, by its frame 0, or else by the first one
+    /// of the range, so that films rendered in parts have one exposure; none for any other film.
+    fn metered(&self, device: Option<&Device>) -> Result<Option<Session>> {
+        let at = |frame: f64| self.scenes.check(frame).and_then(|()| self.scenes.at(frame));
+        let first = f64::from(*self.frames.start());
+        let Some(mut scene) = at(0.0).or_else(|_| at(first)).ok().filter(|scene| scene.camera.metered) else {
+            return Ok(None);
+        };
+        scene.camera = scene.camera.clone().sized(self.size.unwrap_or(scene.camera.size))?;
+        scene.report.iter().for_each(|line| tell!("{line}"));
+        let mut session = open_session(&scene, device, self.options)?;
+        tell_long_work(&session);
+        run_frame(&mut session, Change::default())?;
+        session.sample()?;
+        let exposure = session.picture()?.exposure;
+        session.hold_exposure(Some(exposure));
+        tell!("exposure {exposure:.3} in all frames");
+        Ok(Some(session))
     }
 }
 

@@ -19,6 +19,7 @@ use milkglass::internals::view::atomic_file::{is_device, ready};
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::check;
+use milkglass::scene::Receivers;
 
 /// Arguments of `solve`.
 #[derive(Args)]
@@ -142,9 +143,15 @@ pub fn tell_estimate(session: &mut Session) -> Result<()> {
     }
     let long = session.left_long().into_iter().filter(|long| *long).count();
     if long > 0 {
+        let faces = session.scene().transport.receivers == Receivers::Faces;
+        let helps = if faces {
+            "transport.receivers = \"auto\" divides them"
+        } else {
+            "a finer mesh, since the object deforms"
+        };
         tell!(
             "{long} triangles are longer than the distance over which radiosity changes at edges, and have one value each, \
-             that of their centroid: transport.receivers = \"auto\" divides them"
+             that of their centroid; what helps: {helps}"
         );
     }
     let bordered = session.bordered()?;

@@ -57,6 +57,7 @@ pub struct Share {
 pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
     let mut scene = scene.clone();
     (scene.transport.receivers, scene.transport.subdivide) = (Receivers::Faces, 0);
+    scene.transport.divided = true;
     scene.camera.size = [1, 1];
     // Textures are removed: only one of the two methods applies them where light enters.
     let clear = scene.objects.iter_mut().filter(|object| object.material.opaque.is_none());

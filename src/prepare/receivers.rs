@@ -25,15 +25,15 @@ pub fn by_pixel(scene: &Scene, options: Options) -> (bool, String) {
         Receivers::Pixels => return (true, "transport.receivers is pixels".into()),
         Receivers::Auto => format!("a picture takes {pixels} samples of pixels, the objects have {faces} triangles"),
     };
+    if pixels < faces {
+        return (true, why);
+    }
     // Long triangles of an object that deforms are not divided.
     let long = |(number, object): (usize, &Object)| {
         let long = !object.deforms.is_empty() && Long::of(&object.mesh, &object.material).is_some();
         long.then(|| format!("object {number} deforms and has triangles that are too long to be receivers"))
     };
-    match scene.objects.iter().enumerate().find_map(long).filter(|_| pixels >= faces) {
-        Some(why) => (true, why),
-        None => (pixels < faces, why),
-    }
+    scene.objects.iter().enumerate().find_map(long).map_or((false, why), |why| (true, why))
 }
 
 /// Whether opaque objects are lit at triangles, at pixels, or both.

@@ -235,7 +235,7 @@ impl Scene {
         }
         for (index, light) in lights.iter().enumerate() {
             if let Some(why) = light.misses(&objects) {
-                report.push(format!("light {index} lights nothing: {why}; target = [x, y, z] aims it"));
+                report.push(format!("light {index} lights nothing: {why}"));
             }
         }
         if lights.is_empty() {
@@ -249,7 +249,7 @@ impl Scene {
             camera,
             lights,
             objects,
-            transport: draft.transport,
+            transport: Transport { divided: draft.transport.receivers == Receivers::Faces, ..draft.transport },
             frames,
             report,
             memory: files.memory(),

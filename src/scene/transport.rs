@@ -36,7 +36,8 @@ pub struct Transport {
     pub receivers: Receivers,
     /// Maximum levels of 4-to-1 subdivision where irradiance varies over a triangle, 0 to 4.
     pub subdivide: u32,
-    /// Whether triangles that are long against the mean free path were divided already.
+    /// Whether triangles stay as they are, however long: since `receivers = "faces"` was given, or they were divided
+    /// already.
     #[serde(skip)]
     pub divided: bool,
     /// How distances are measured.

@@ -73,7 +73,7 @@ impl Session {
             differs_by_coefficients(&old.material, &new.material, self.state().method.local)
         };
         let alike = self.scene.objects.iter().zip(&new.objects).all(coefficients);
-        if self.fixed.asked.is_some() || !alike || !self.choice.stays(new) {
+        if self.cuts_anew(new) || !alike || !self.choice.stays(new) {
             return self.renew(|scene| {
                 scene.objects.iter_mut().zip(&new.objects).for_each(|(old, new)| old.material = new.material.clone());
             });
@@ -88,6 +88,8 @@ impl Session {
                 changes.add_to(number, material::change(state, number, &old.material, *units).and(scatters));
             }
         }
+        let asked = self.fixed.asked.iter_mut().flat_map(|asked| asked.objects.iter_mut().zip(&new.objects));
+        asked.for_each(|(own, new)| own.material.clone_from(&new.material));
         self.choice.adopt(&self.scene);
         if !state.data.scattering_media.is_empty() {
             media(state, &self.scene.objects, *units);
@@ -168,8 +170,8 @@ impl Session {
     /// Whether a new session for these deformations would have the same trees.
     fn keeps_trees(&mut self, new: &Scene) -> bool {
         let other = |(old, new): (&Object, &Object)| old.deforms.is_empty() != new.deforms.is_empty();
-        let divided = self.fixed.asked.is_some() && self.scene.objects.iter().zip(&new.objects).any(other);
-        if self.cut_for_light() || divided || self.prepared.spoilt.iter().any(Option::is_some) {
+        let other = self.scene.objects.iter().zip(&new.objects).any(other);
+        if self.cut_for_light() || other || self.prepared.spoilt.iter().any(Option::is_some) {
             return false;
         }
         let (prepared, hierarchy) = (&mut self.prepared, new.transport.hierarchy);

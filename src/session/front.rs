@@ -125,9 +125,16 @@ impl Session {
         self.send(&[BufferId::tones])
     }
 
-    /// Keeps the exposure of the last picture for those to come, where the camera is metered: a film does not flicker.
-    pub fn hold_exposure(&mut self) {
-        self.held = Some(self.scene.camera.exposure);
+    /// The exposure of the last picture that was shown, where the camera is metered; none before the first.
+    #[must_use]
+    pub fn metered(&self) -> Option<f64> {
+        let camera = &self.scene.camera;
+        (camera.metered && camera.exposure != 1.0).then_some(camera.exposure)
+    }
+
+    /// Where the camera is metered, gives all pictures this exposure, or each its own again.
+    pub fn hold_exposure(&mut self, exposure: Option<f64>) {
+        self.held = exposure;
     }
 
     /// Exposes the picture of the last frame.

@@ -13,6 +13,7 @@ pub mod cluster_view;
 pub mod curvature_view;
 pub(crate) mod device_limits;
 pub mod diffusion;
+mod divisions;
 pub(crate) mod estimated_error;
 pub mod faces;
 pub mod frame_parts;

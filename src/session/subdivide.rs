@@ -12,9 +12,10 @@ use crate::error::{Input, Result};
 use crate::pipeline::frame::precedes_transport;
 use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::prepare::coarse::{Divided, Long, divide};
+use crate::prepare::receivers::by_pixel;
 use crate::prepare::shape::moved;
 use crate::prepare::units::Units;
-use crate::scene::{Mesh, Object, Receivers, Scene};
+use crate::scene::{Mesh, Object, Scene};
 
 /// Tolerance of the solution that estimates the remaining error.
 const ROUGH: f64 = 0.1;
@@ -40,12 +41,11 @@ pub struct Parts {
 /// The scene with its triangles subdivided for its materials and lights, and each object's parts; none if none needs
 /// it. With `estimate`, the parts also say how much radiosity is still missing at borders of shadows.
 pub fn subdivide(scene: &Scene, options: Options, estimate: bool) -> Result<Option<(Scene, Vec<Parts>)>> {
-    let divided = divided(scene, options)?;
-    if scene.transport.subdivide == 0 && divided.iter().all(Option::is_none) {
+    let none = scene.objects.iter().all(|object| !divides(scene, object, options));
+    if scene.transport.subdivide == 0 && none {
         return Ok(None);
     }
     let mut fine = scene.clone();
-    (fine.transport.subdivide, fine.transport.divided) = (0, true);
     // Subdivide the deformed shape, so that parts lie on it and stay connected.
     let units = Units::of(&scene.objects);
     for object in fine.objects.iter_mut().filter(|_| scene.transport.subdivide > 0) {
@@ -55,6 +55,12 @@ pub fn subdivide(scene: &Scene, options: Options, estimate: bool) -> Result<Opti
         }
         object.deforms.clear();
     }
+    let divided = |object: &Object| match divides(&fine, object, options) {
+        true => divide(&object.mesh, &object.material, &scene.memory),
+        false => Ok(None),
+    };
+    let divided: Vec<Option<Divided>> = fine.objects.iter().map(divided).collect::<Result<_>>()?;
+    (fine.transport.subdivide, fine.transport.divided) = (0, true);
     let mut parts: Vec<Parts> = scene.objects.iter().map(|object| whole(&object.mesh)).collect();
     for ((object, parts), divided) in fine.objects.iter_mut().zip(&mut parts).zip(divided) {
         if let Some(Divided { mesh, from, left }) = divided {
@@ -103,18 +109,13 @@ pub fn subdivide(scene: &Scene, options: Options, estimate: bool) -> Result<Opti
     Ok(Some((fine, parts)))
 }
 
-/// Meshes of the objects whose triangles are long, divided.
-fn divided(scene: &Scene, options: Options) -> Result<Vec<Option<Divided>>> {
-    let transport = &scene.transport;
+/// Whether an object of a scene is one whose triangles are divided where they are long.
+fn divides(scene: &Scene, object: &Object, options: Options) -> bool {
     let alone = matches!(options.transport, ShadingMethod::Walk | ShadingMethod::None);
-    if alone || transport.divided || transport.receivers == Receivers::Faces {
-        return Ok(vec![None; scene.objects.len()]);
-    }
-    let of = |object: &Object| match object.deforms.is_empty() {
-        true => divide(&object.mesh, &object.material, &scene.memory),
-        false => Ok(None),
-    };
-    scene.objects.iter().map(of).collect()
+    !alone
+        && !scene.transport.divided
+        && object.deforms.is_empty()
+        && Long::of(&object.mesh, &object.material).is_some()
 }
 
 impl Session {
@@ -124,59 +125,22 @@ impl Session {
         self.parts.get(object).map_or(part, |parts| parts.of[part as usize])
     }
 
-    /// A line for each object whose triangles were divided, or would be if it did not deform.
-    #[must_use]
-    pub fn divisions(&self) -> Vec<String> {
-        let asked = self.fixed.asked.iter().flat_map(|asked| &asked.objects);
-        let line = |((number, asked), parts): ((usize, &Object), &Parts)| {
-            let whole = asked.mesh.triangles.len();
-            parts.long.map(|left| {
-                let left = if left > 0 { format!(", of which {left} are long still") } else { String::new() };
-                format!(
-                    "object {number}: triangles longer than the distance over which radiosity changes at edges are \
-                     divided: {whole} become {}{left} (transport.receivers = \"faces\" leaves them)",
-                    parts.of.len()
-                )
-            })
-        };
-        let deforms = |(number, object): (usize, &Object)| {
-            let auto = self.scene.transport.receivers == Receivers::Auto && !object.deforms.is_empty();
-            (auto && Long::of(&object.mesh, &object.material).is_some()).then(|| {
-                format!(
-                    "object {number}: triangles longer than the distance over which radiosity changes at edges are not \
-                     divided, since it deforms"
-                )
-            })
-        };
-        let deformed = self.scene.objects.iter().enumerate().filter_map(deforms);
-        asked.enumerate().zip(&self.parts).filter_map(line).chain(deformed).collect()
-    }
-
-    /// Whether each triangle of the state is one that would be divided, but was not since its object deforms or
-    /// receivers are to be the triangles as they are; empty if none is.
-    #[must_use]
-    pub fn left_long(&self) -> Vec<bool> {
-        let mut all = Vec::new();
-        if self.fixed.options.transport == ShadingMethod::Walk {
-            // Its values are means.
-            return all;
-        }
-        for (number, object) in self.scene.objects.iter().enumerate() {
-            if self.scene.transport.divided && object.deforms.is_empty() {
-                continue;
-            }
-            let Some(long) = Long::of(&object.mesh, &object.material) else { continue };
-            all.resize(self.state().data.triangles.len(), false);
-            for (face, place) in self.prepared.places(number).into_iter().enumerate() {
-                all[place] = object.mesh.corners(face).is_some_and(|corners| long.is(corners));
-            }
-        }
-        all
-    }
-
     /// The scene as it was asked for, if it was subdivided, and as it is.
     pub(super) fn scenes(&mut self) -> impl Iterator<Item = &mut Scene> {
         self.fixed.asked.iter_mut().chain([&mut self.scene])
+    }
+
+    /// Whether materials of a scene with the same objects need other triangles or receivers.
+    pub(super) fn cuts_anew(&self, new: &Scene) -> bool {
+        let options = self.fixed.options;
+        let scatters = |object: &Object| (object.material.sigma_a, object.material.sigma_s_prime);
+        let other = |(old, new): (&Object, &Object)| scatters(old) != scatters(new);
+        let asked = self.fixed.asked.as_ref().unwrap_or(&self.scene);
+        self.cut_for_light()
+            || asked.objects.iter().zip(&new.objects).any(other)
+                && (self.fixed.asked.is_some()
+                    || new.objects.iter().any(|object| divides(new, object, options))
+                    || by_pixel(new, options).0 != by_pixel(asked, options).0)
     }
 
     /// Whether triangles are subdivided where their lights need it.

@@ -51,8 +51,8 @@ const METERED_SHOWN: f64 = 245.0 / 255.0;
 /// Its range.
 const METERED_RANGE: [f64; 2] = [1e-30, 1e30];
 
-/// The exposure at which 98 % of these pixels, each by its brightest channel, are shown darker than 245 of 255; rounded
-/// to a sixteenth of a stop, so that devices whose pixels differ in last bits expose alike. 1 where all are dark.
+/// The exposure at which at least 98 % of these pixels, each by its brightest channel, are shown at most as 245 of 255;
+/// down to a sixteenth of a stop, so that devices whose pixels differ in last bits expose alike. 1 where all are dark.
 #[must_use]
 pub fn metered(mut brightest: Vec<f32>, tone: Tone) -> f64 {
     if brightest.is_empty() {
@@ -71,7 +71,7 @@ pub fn metered(mut brightest: Vec<f32>, tone: Tone) -> f64 {
         *if shown(middle) < METERED_SHOWN { &mut below } else { &mut above } = middle;
     }
     let stops = (above / radiance).clamp(METERED_RANGE[0], METERED_RANGE[1]).log2();
-    ((16.0 * stops).round() / 16.0).exp2()
+    ((16.0 * stops).floor() / 16.0).exp2()
 }
 
 /// A channel's radiance as sRGB: exposure, tone curve, sRGB curve, rounding.

@@ -29,7 +29,7 @@ fn scene(material: &str, size: f64, more: &str) -> Scene {
 /// The same with every triangle in 4^`levels`, as it is.
 fn finely(scene: &Scene, levels: u32) -> Scene {
     let mut fine = scene.clone();
-    fine.transport.receivers = Receivers::Faces;
+    (fine.transport.receivers, fine.transport.divided) = (Receivers::Faces, true);
     (0..levels).for_each(|_| fine.objects[0].mesh = fine.objects[0].mesh.split(|_| true).0);
     fine
 }
@@ -129,13 +129,45 @@ fn lights_and_places_change_without_another_division_and_the_rest_with_one() {
 }
 
 #[test]
+fn another_material_divides_what_it_needs_to() {
+    let mut dense = finely(&scene("marble", 20.0, ""), 4);
+    (dense.transport.receivers, dense.transport.divided) = (Receivers::Auto, false);
+    let mut clear = dense.clone();
+    (clear.objects[0].material.sigma_a, clear.objects[0].material.sigma_s_prime) = ([1e-6; 3], [1e-2; 3]);
+    let mut session = Session::new(&clear, None, options(ShadingMethod::Hierarchy)).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    assert!(session.divisions().is_empty());
+    for (scene, divided) in [(&dense, 1), (&clear, 0)] {
+        session.show(scene).unwrap();
+        session.frame(Change::default()).unwrap();
+        assert_eq!(session.divisions().len(), divided);
+        let mut fresh = Session::new(scene, None, options(ShadingMethod::Hierarchy)).unwrap();
+        fresh.frame(Change::EVERYTHING).unwrap();
+        assert_eq!(session.faces().unwrap(), fresh.faces().unwrap());
+    }
+}
+
+#[test]
 fn what_deforms_stays_and_its_picture_has_receivers_at_pixels() {
     let twist = "[[object.deform]]\ntype = 'twist'\naxis = [0, 0, 1]\nangle = 20\n";
     let mut scene = scene("marble", 20.0, twist);
     let session = Session::new(&scene, None, Options::default()).unwrap();
     assert!(session.parts().is_empty() && session.state().objects[0].by_pixel);
     assert!(session.divisions()[0].contains("not divided, since it deforms"), "{:?}", session.divisions());
-    scene.transport.receivers = Receivers::Faces;
+    let mut session = Session::new(&scene, None, options(ShadingMethod::Hierarchy)).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    assert!(session.left_long().len() == 12 && check(&mut session, 20, 1).unwrap().norms[0].l2 > 0.05);
+    // Subdivided for its lights, it is divided as it is deformed.
+    scene.transport.subdivide = 1;
+    let mut session = Session::new(&scene, None, options(ShadingMethod::Hierarchy)).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    assert!(
+        session.left_long().is_empty() && session.divisions()[0].contains("12 become"),
+        "{:?}",
+        session.divisions()
+    );
+    assert!(check(&mut session, 20, 1).unwrap().norms[0].l2 < 1e-3);
+    (scene.transport.subdivide, scene.transport.receivers) = (0, Receivers::Faces);
     assert!(!Session::new(&scene, None, Options::default()).unwrap().state().objects[0].by_pixel);
 }
 
@@ -151,6 +183,6 @@ fn smooth_and_fine_shapes_stay_as_they_are_and_so_do_those_with_a_detail() {
         assert!(!divided(Scene::load_with("sphere", &[detail.into()]).unwrap(), false), "{detail}");
     }
     let mut fine = finely(&coarse(), 6);
-    fine.transport.receivers = Receivers::Auto;
+    (fine.transport.receivers, fine.transport.divided) = (Receivers::Auto, false);
     assert!(!divided(fine, false));
 }

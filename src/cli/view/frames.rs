@@ -201,7 +201,11 @@ impl Frames {
 
     /// Renders the layer; one that can't be shown is left for the light.
     fn inspect(&mut self, scene: &Scene) -> Result<Vec<Timing>> {
-        match self.inspector.render(scene, self.options, self.layer, self.pick) {
+        let mut scene = scene.clone();
+        if let Some(exposure) = self.full.metered() {
+            (scene.camera.exposure, scene.camera.metered) = (exposure, false);
+        }
+        match self.inspector.render(&scene, self.options, self.layer, self.pick) {
             Ok(steps) => {
                 self.progress = Progress::Whole;
                 Ok(steps)
@@ -217,6 +221,8 @@ impl Frames {
 
     /// The picture to show, with its size; none before the first one.
     pub(super) fn shown(&mut self) -> Result<Option<([u32; 2], &Buffer)>> {
+        // Exposed anew when the picture is whole, and as before until then.
+        let exposure = self.full.metered().filter(|_| self.progress != Progress::Whole);
         let [transported, local] = &mut self.drafts;
         let draft = if LEVELS[self.policy.level].transport { transported } else { local };
         let session = match (self.progress, draft) {
@@ -225,6 +231,7 @@ impl Frames {
             (Progress::Whole, _) if self.layer != Layer::Light => return self.inspector.shown(),
             _ => &mut self.full,
         };
+        session.hold_exposure(exposure);
         let size = session.scene().camera.size;
         Ok(session.shown_on_device()?.map(|buffer| (size, buffer)))
     }

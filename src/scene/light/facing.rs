@@ -30,8 +30,12 @@ impl Light {
         Err(fault.found(format!("a light at [{}, {}, {}]", place.x, place.y, place.z)).expected(expected))
     }
 
-    /// Why it lights none of the objects, if it is known to: they are all beside the cone of a spot, or behind an area.
+    /// Why it lights none of the objects, if it is known to: they are all beside the cone of a spot, or behind an area,
+    /// and none deforms. And what helps.
     pub(in crate::scene) fn misses(&self, objects: &[Object]) -> Option<&'static str> {
+        if objects.iter().any(|object| !object.deforms.is_empty()) {
+            return None;
+        }
         let faces = |reached: &(dyn Fn(&[DVec3; 3]) -> bool + Sync)| {
             objects.iter().any(|object| {
                 let corners = |face| Some(object.mesh.corners(face)?.map(|corner| object.placed(corner)));
@@ -49,12 +53,13 @@ impl Light {
                     way.length() <= radius
                         || way.angle_between(*direction) <= outer.to_radians() + (radius / way.length()).asin()
                 };
-                (!faces(&in_cone)).then_some("every object is outside its cone")
+                (!faces(&in_cone))
+                    .then_some("every object is outside its cone; target = [x, y, z] instead of direction aims it")
             }
             Source::Area { position, edge_u, edge_v, two_sided: false, .. } => {
                 let normal = edge_u.cross(*edge_v);
                 let before = |corners: &[DVec3; 3]| corners.iter().any(|&p| (p - *position).dot(normal) > 0.0);
-                (!faces(&before)).then_some("every object is behind it: it shines to the side of edge_u x edge_v")
+                (!faces(&before)).then_some("every object is behind it: it shines to the side of edge_u x edge_v, and target = [x, y, z] turns it")
             }
             _ => None,
         }
@@ -87,7 +92,9 @@ mod tests {
         let missed = spot("direction = [0.6, 0, -1]", 5.0);
         assert_eq!(
             missed,
-            ["light 0 lights nothing: every object is outside its cone; target = [x, y, z] aims it"],
+            [
+                "light 0 lights nothing: every object is outside its cone; target = [x, y, z] instead of direction aims it"
+            ],
             "{missed:?}"
         );
         assert!(area("").len() == 1 && area("")[0].contains("behind it"), "{:?}", area(""));

@@ -50,6 +50,7 @@ impl Wishes {
             let what = locate::with_suggestion("unknown preset", name, &names);
             return Err(Input::new(what).key("--preset").found(name).expected(names.join(", ").to_lowercase()));
         }
+        self.view.map_or(Ok(()), |view| view.stands(self.ground))?;
         match self.size_mm.filter(|size| !(1e-6..=1e6).contains(size)) {
             Some(size) => {
                 let fault = Input::new("not a size").key("--size-mm").found(size);
@@ -77,8 +78,7 @@ pub struct Studio {
 
 /// The text of the scene of a mesh alone; none for a built-in scene or a scene file.
 fn mesh_alone(name_or_path: &str, files: &Files) -> Checked<Option<Text>> {
-    let built_in = BUILTIN.iter().any(|(name, ..)| name.eq_ignore_ascii_case(name_or_path));
-    if built_in {
+    if BUILTIN.iter().any(|(name, ..)| name.eq_ignore_ascii_case(name_or_path)) {
         return Ok(None);
     }
     Ok(Some(Text::find(name_or_path, files)?).filter(|text| text.alone))

@@ -1,7 +1,9 @@
 //! Which way up a mesh stands, and where the camera stands.
 
 use super::super::Scene;
+use super::super::range::Checked;
 use super::value;
+use crate::error::Input;
 use glam::{DMat3, DVec3};
 use std::path::Path;
 use std::str::FromStr;
@@ -20,7 +22,7 @@ pub enum Up {
 /// Where the camera stands around an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewFrom {
-    /// Degrees from the front, +z, towards +x.
+    /// Degrees from the front, +z of what stands upright, towards +x.
     pub azimuth: f64,
     /// Degrees above the horizon, -89 to 89.
     pub elevation: f64,
@@ -50,6 +52,17 @@ impl FromStr for ViewFrom {
             format!("expected {}, or AZIMUTH,ELEVATION in degrees, -89 to 89 above the horizon", names.join(", "))
         })?;
         Ok(Self { azimuth, elevation })
+    }
+}
+
+impl ViewFrom {
+    /// Returns an error if the camera would stand below a table.
+    pub(super) fn stands(self, ground: bool) -> Checked<()> {
+        if !ground || self.elevation >= 0.0 {
+            return Ok(());
+        }
+        let fault = Input::new("the camera would stand below the table").key("--view-from");
+        Err(fault.found(self.elevation).expected("an elevation from 0 on, or no --ground"))
     }
 }
 
