@@ -29,6 +29,15 @@ impl DeviceArgument {
         self.open_among(Instance::open(validation), validation)
     }
 
+    /// The adapter with this name, or the best one.
+    pub(super) fn among<'a>(&self, adapters: &'a [Adapter]) -> Result<&'a Adapter> {
+        match self.device.as_deref() {
+            Some(wish) => Adapter::find(adapters, wish),
+            None => Adapter::best(adapters)
+                .ok_or_else(|| Error::device("finding a compiler", "there is no usable Vulkan device")),
+        }
+    }
+
     /// The same argument, for a command on the same device.
     #[cfg(feature = "window")]
     pub(super) fn words(&self) -> Option<String> {

@@ -6,6 +6,7 @@ mod text;
 mod bake;
 mod bare;
 mod compare;
+mod compile;
 mod conform;
 mod device;
 mod devices;
@@ -112,6 +113,8 @@ commands! {
     Dump(dump::Arguments) => dump::run,
     /// Run what `dump` or `conform --dump` wrote on a device, and compare.
     Replay(repro::Arguments) => repro::run,
+    /// Show what compilers of GPUs that are not here make of a scene's kernels: registers, spills, waves, cycles.
+    Compile(compile::Arguments) => compile::run,
     /// Print a built-in shader's GLSL, as a starting point for your own: see `--replace`.
     Shader(shader::Arguments) => shader::run,
     /// Run the extreme cases: their fallbacks, whether results are finite, and the worst error against f64.

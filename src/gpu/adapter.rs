@@ -70,6 +70,8 @@ pub struct Adapter {
     pub limits: Limits,
     /// What it offers beyond what it has to.
     pub offers: Offers,
+    /// Whether it is RADV's null hardware, which compiles kernels and executes none.
+    pub null: bool,
     /// Why it can't be used, if it can't.
     pub unusable: Option<String>,
     pub(super) physical: vk::PhysicalDevice,
@@ -186,6 +188,7 @@ impl Adapter {
         let queue_family = u32::try_from(family.unwrap_or(0)).unwrap_or(0);
         Adapter {
             number: 0,
+            null,
             name: text(&base.device_name),
             driver: format!("{} {}", text(&more.driver_name), text(&more.driver_info)).trim().to_string(),
             version: format!("{major}.{minor}.{patch}"),

@@ -46,6 +46,15 @@ impl Device {
         Ok(device)
     }
 
+    /// Opens an adapter for what its compiler says of pipelines: none is to be used, and nothing of the device is
+    /// destroyed, since drivers of null hardware crash there.
+    pub fn compiler(instance: &Instance, adapter: &Adapter) -> Result<Self> {
+        let extras = Extras { statistics: true, ..Extras::default() };
+        let logical = LogicalDevice::open(instance, adapter, &Choices::default(), &extras)?;
+        logical.give_up();
+        Ok(Self { logical, kernels: Rc::default() })
+    }
+
     /// Opens the same adapter once more, with the same features and replaced kernels, and uses it as `choices` say.
     pub fn opened_as(&self, choices: &Choices) -> Result<Self> {
         Ok(Self { logical: self.logical.again(choices, self.extras())?, kernels: Rc::new(self.kernels.forgetting()) })

@@ -68,7 +68,9 @@ impl LogicalDevice {
     /// Opens an adapter to use it as chosen and with these extras, or says why that can't be done.
     pub(super) fn open(instance: &Instance, adapter: &Adapter, choices: &Choices, extras: &Extras) -> Result<Self> {
         let doing = format!("opening {}", adapter.name);
-        if let Some(why) = adapter.unusable.clone().or_else(|| adapter.offers.lack(choices)) {
+        // Null hardware serves where it is asked what its compiler makes of pipelines.
+        let unusable = adapter.unusable.clone().filter(|_| !adapter.null || !extras.statistics);
+        if let Some(why) = unusable.or_else(|| adapter.offers.lack(choices)) {
             return Err(Error::device(doing, why));
         }
         let priorities = [1.0; 2];

@@ -3,6 +3,8 @@
 mod amber;
 mod aov;
 mod borders;
+#[cfg(feature = "shaderc")]
+mod compile;
 mod conform;
 mod dependent;
 mod device_limits;
