@@ -106,8 +106,8 @@ impl Job<'_> {
 }
 
 impl Job<'_> {
-    /// A session that has found the exposure of a film whose camera is metered, by its frame 0, or else by the first one
-    /// of the range, so that films rendered in parts have one exposure; none for any other film.
+    /// A session that has found the exposure of a film whose camera is metered, by its frame 0, or else by the first
+    /// one of the range, so that films rendered in parts have one exposure; none for any other film.
     fn metered(&self, device: Option<&Device>) -> Result<Option<Session>> {
         let at = |frame: f64| self.scenes.check(frame).and_then(|()| self.scenes.at(frame));
         let first = f64::from(*self.frames.start());
