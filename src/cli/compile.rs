@@ -3,7 +3,7 @@
 //! A process for each compiler opens its device, creates the plan's pipelines and ends without destroying anything,
 //! since drivers of null hardware crash there. It writes lines of JSON; one that is killed names the kernel it was at.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use super::replace::{ReplaceArgument, replaced};
 use super::watch::{itself, seconds, watched};
 use super::{RunArguments, SceneArguments, print, table, write};
 use milkglass::error::{Error, Input, Result};
-use milkglass::internals::gpu::{Device, Instance, Kernels, constants};
+use milkglass::internals::gpu::{Device, Instance, Kernels};
 use milkglass::internals::pipeline::plan::Change;
 use milkglass::internals::session::run::Session;
 use milkglass::internals::view::atomic_file::ready;
@@ -127,16 +127,11 @@ fn child(arguments: &Arguments) -> Result<()> {
     let scene = arguments.run.of(&arguments.scene).load()?;
     let instance = Instance::open(false)?;
     let adapters = instance.adapters()?;
-    let null =
-        adapters.iter().find(|adapter| adapter.null).filter(|_| arguments.families.last().is_some_and(|f| f != "here"));
-    let adapter = match (null, arguments.families.last()) {
-        (Some(null), _) => null,
-        (None, Some(family)) if family != "here" => {
-            let found = Input::new("there is no RADV that compiles for this family").key("--for").found(family);
-            return Err(found
-                .expected("Mesa's driver radeon (Debian: mesa-vulkan-drivers), and a family it knows")
-                .into());
-        }
+    let adapter = match arguments.families.last() {
+        Some(family) if family != "here" => adapters.iter().find(|adapter| adapter.null).ok_or_else(|| {
+            let fault = Input::new("there is no RADV that compiles for this family").key("--for").found(family);
+            fault.expected("Mesa's driver radeon (Debian: mesa-vulkan-drivers), and a family it knows")
+        })?,
         _ => arguments.run.device.among(&adapters)?,
     };
     let device = replaced(&Device::compiler(&instance, adapter)?, &arguments.replace.load()?)?;
@@ -148,20 +143,16 @@ fn child(arguments: &Arguments) -> Result<()> {
     };
     say(&Line::Device(format!("{}, {}", adapter.name, adapter.driver)))?;
     let kernels = Kernels::new(&device);
-    let mut done = std::collections::BTreeSet::new();
+    let mut done = BTreeSet::new();
     for need in session.needs(Change { relink: true, tone: true, ..Change::EVERYTHING })? {
         for own in need.kernels.iter().filter(|own| done.insert((own.name.clone(), own.constants.clone()))) {
             say(&Line::Begins(own.name.clone()))?;
-            kernels.get(&own.name, &own.constants)?;
-            let facts = kernels.facts()?;
-            let fact = facts.into_iter().find(|(key, ..)| key.name == own.name && key.constants == own.constants);
-            let Some((_, time, statistics)) = fact else { continue };
-            let constants = if constants(&own.name).is_ok() { own.specialized()? } else { String::new() };
+            let kernel = kernels.get(&own.name, &own.constants)?;
             say(&Line::Pipeline(Pipeline {
                 kernel: own.name.clone(),
-                constants,
-                milliseconds: 1e3 * time.as_secs_f64(),
-                statistics: statistics.into_iter().map(|one| (one.name, one.value)).collect(),
+                constants: own.specialized()?,
+                milliseconds: 1e3 * kernel.creation.as_secs_f64(),
+                statistics: kernel.statistics()?.into_iter().map(|one| (one.name, one.value)).collect(),
             }))?;
         }
     }

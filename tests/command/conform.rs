@@ -223,6 +223,11 @@ fn changes_are_shown_though_within_tolerance() {
     assert!(out.contains("mended: 2"), "{out}");
     good(&here, &format!("{line} --fixture sliver --json one.json"));
     let (out, _) = good(&here, "compare sound.json one.json");
+    // A report says on what: the device's numbers, the driver's version, the system, the layer.
+    let (told, _) = good(&here, &format!("{line} --fixture sliver"));
+    for words in [" (0x", "(version 0x", "\non ", "; no validation layer\n"] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
     assert_eq!(out, "nothing that both have has changed\nonly in the first: 1 (of sphere with holes)\n");
     std::fs::write(here.path().join("bad.json"), "{\"run\":{}}").unwrap();
     bad(&here, "compare sound.json bad.json", 2, &["bad.json:1", "missing field"]);

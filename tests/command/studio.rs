@@ -89,6 +89,27 @@ fn the_studio_is_printed_as_a_scene_that_looks_the_same_and_exposed_for_what_it_
 }
 
 #[test]
+fn a_film_has_one_exposure_whatever_part_of_it_is_rendered() {
+    let scene = "[camera]\nposition = [0, 0, 60]\nsize = [24, 24]\nexposure = 'auto'\n\
+                 [[light]]\ntype = 'directional'\ndirection = [0, 0, 1]\n\
+                 irradiance = { keyframes = [[0, 1], [2, 9]] }\n\
+                 [[object]]\nshape = 'sphere'\ndetail = 2\nsize = 20\nmaterial = { preset = 'marble' }\n";
+    let here = folder(&[("film.toml", scene)]);
+    let (_, err) = good(&here, "render film.toml --frames 0..2 -o a%d.png --device cpu");
+    assert!(err.contains("in all frames"), "{err}");
+    good(&here, "render film.toml --frames 2..2 -o b%d.png --device cpu");
+    assert!(bytes(&here, "a2.png") == bytes(&here, "b2.png"));
+    // Alone, a picture has its own.
+    good(&here, "render film.toml --frame 2 -o c.png --device cpu");
+    assert!(bytes(&here, "a2.png") != bytes(&here, "c.png"));
+    good(&here, "render film.toml --frame 0 -o c.png --device cpu");
+    assert!(bytes(&here, "a0.png") == bytes(&here, "c.png"));
+    let below = "render sheet.obj -o d.png --ground --view-from 0,-40";
+    std::fs::write(here.path().join("sheet.obj"), sheet()).unwrap();
+    bad(&here, below, 2, &["--view-from", "below the table"]);
+}
+
+#[test]
 fn surroundings_light_a_mesh() {
     let here = folder(&[("sheet.obj", &sheet())]);
     let file = std::fs::File::create(here.path().join("red.hdr")).unwrap();
