@@ -45,7 +45,7 @@ fn plan(folder: &TempDir, name: &str) -> serde_json::Value {
 
 #[test]
 fn thin_triangles_are_named_before_they_take_minutes() {
-    let folder = folder(&[("fan.obj", &fan(8000)), ("few.obj", &fan(500))]);
+    let folder = folder(&[("fan.obj", &fan(8000)), ("few.obj", &fan(100))]);
     let said =
         first_notice(&mut program(&folder, "solve fan.obj -o a.csv --device cpu --set transport.receivers=faces"))
             .unwrap();

@@ -28,6 +28,7 @@ mod profile_compare;
 mod replaced;
 mod report;
 mod repro;
+mod results;
 mod stress;
 mod studio;
 mod textures;
