@@ -42,8 +42,8 @@ impl Axis {
         number.is_finite() && !(self.log && number <= 0.0)
     }
 
-    /// The ends of the axis: its own, or such that it shows these numbers with a margin, and a logarithmic axis at least
-    /// a decade.
+    /// The ends of the axis: its own, or such that it shows these numbers with a margin, a logarithmic axis at least a
+    /// decade.
     pub(super) fn range(&self, numbers: impl Iterator<Item = f64>) -> [f64; 2] {
         let all = numbers.filter(|number| self.shows(*number));
         let all = all.map(|number| if self.log { number.log10() } else { number });
