@@ -21,8 +21,8 @@ pub struct Arguments {
     material: String,
     #[command(flatten)]
     device: DeviceArgument,
-    /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths: the channels' average, or at most 4
-    /// times or at least a quarter of the channel's own].
+    /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths, averaged over the channels but at
+    /// most 4 times longer or shorter than the channel's own].
     #[arg(long, value_name = "R,R,...")]
     radii: Option<String>,
     /// Photons of the random walk in each ball and channel.

@@ -39,7 +39,7 @@ pub struct Settings {
     pub change: Change,
     /// Number of timed frames, after the warm-up; at least 1.
     pub frames: usize,
-    /// Timing stops after this many seconds, once three frames are timed.
+    /// Timing stops after this many seconds, once three frames, or one start of a comparison, are timed.
     pub enough: f64,
     /// Timing stops once every interval that matters is at most this share wide on either side.
     pub until: Option<f64>,
