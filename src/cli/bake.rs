@@ -15,7 +15,7 @@ use milkglass::scene::{Depth, Scene, text_of_path};
 #[derive(Args)]
 #[command(after_help = "Example: milkglass bake-layers skin.obj flesh.obj bone.obj -o depths.png --size 1024x1024\n\n\
     Rays go down from the outer surface along its normals; channel k of the map is how deep the k-th inner surface lies. \
-    What to write into a scene is printed.")]
+    It prints what to write into a scene.")]
 pub struct Arguments {
     /// The outer surface, with texture coordinates (OBJ).
     outer: PathBuf,
@@ -30,7 +30,7 @@ pub struct Arguments {
     size: String,
     #[command(flatten)]
     memory: MemoryArgument,
-    /// What the largest value of the map stands for.
+    /// What the largest value of the map stands for: the greatest depth, or none.
     #[arg(long, value_enum, default_value_t)]
     depth: Depth,
 }

@@ -12,13 +12,13 @@ pub struct BareArguments {
     /// A mesh alone: its material, as `milkglass materials` lists them.
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
-    /// A mesh alone: its largest extent in mm; 20 without.
+    /// A mesh alone: its largest extent in mm [default: 20].
     #[arg(long, value_name = "MM")]
     size_mm: Option<f64>,
-    /// Samples per pixel, 1 to 64; of a mesh alone 8 without.
+    /// Samples per pixel, 1 to 64 [default: the scene's; for a mesh alone 8].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: Option<u32>,
-    /// A mesh alone: the axis that points upwards; guessed without.
+    /// A mesh alone: the axis that points upwards [default: guessed from its shape].
     #[arg(long, value_enum)]
     up: Option<Up>,
     /// A mesh alone: where the camera stands: front, back, left, right, top, or azimuth and elevation in degrees.
@@ -40,19 +40,19 @@ pub struct BareArguments {
 pub struct Subject {
     /// The scene's name, its settings and frame.
     pub scenes: SceneArguments,
-    /// The studio, if it is a mesh alone.
+    /// The studio, if the scene is a mesh alone.
     studio: Option<Studio>,
-    /// Frames around the mesh, if it is turned.
+    /// Number of frames around the mesh, if the camera turns.
     turns: Option<u32>,
 }
 
 impl BareArguments {
-    /// The number of frames around the mesh, if it is to be turned.
+    /// The number of frames around the mesh, if the camera is to turn.
     pub fn turns(&self) -> Option<u32> {
         self.turntable
     }
 
-    /// The same arguments, for a command that makes the same scene.
+    /// The arguments as words of a command line that makes the same scene, without `--turntable`.
     #[cfg(feature = "window")]
     pub fn words(&self) -> Vec<String> {
         let value = |flag: &str, value: Option<String>| value.map(|value| format!("{flag}={value}"));
@@ -93,7 +93,7 @@ impl BareArguments {
         Ok(Subject { scenes, studio, turns: self.turntable })
     }
 
-    /// Returns an error if a flag is given that has a meaning for a mesh alone only.
+    /// Returns an error if a flag is given that only a mesh alone has.
     fn only_for_meshes(&self, scene: &str) -> Result<()> {
         let flags = [
             ("--preset", self.preset.is_some(), "--set object.0.material.preset=NAME"),
@@ -125,7 +125,7 @@ impl Subject {
     /// Checks that the values at a frame are valid.
     pub fn check(&self, frame: f64) -> Result<()> {
         match &self.studio {
-            Some(studio) => studio.check(&self.scenes.sets(), self.place(frame).1),
+            Some(studio) => studio.check(&self.scenes.sets(), self.turn_and_frame(frame).1),
             None => self.scenes.check(frame),
         }
     }
@@ -133,12 +133,12 @@ impl Subject {
     /// The scene at a frame, without a report.
     pub fn at(&self, frame: f64) -> Result<Scene> {
         let Some(studio) = &self.studio else { return self.scenes.at(frame) };
-        let (turn, frame) = self.place(frame);
+        let (turn, frame) = self.turn_and_frame(frame);
         studio.scene(turn, &self.scenes.sets(), frame, &self.scenes.memory.files())
     }
 
     /// How far the camera is turned at a frame, degrees, and the frame of the mesh.
-    fn place(&self, frame: f64) -> (f64, f64) {
+    fn turn_and_frame(&self, frame: f64) -> (f64, f64) {
         match self.turns {
             Some(turns) => (360.0 * frame / f64::from(turns), self.scenes.frame),
             None => (0.0, frame),

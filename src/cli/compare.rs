@@ -16,7 +16,7 @@ use milkglass::measure::results::read;
 pub struct Arguments {
     /// Results that `conform --json` or `--jsonl` wrote.
     first: PathBuf,
-    /// Others: of another driver, device or commit.
+    /// Results of another driver, device or commit.
     second: PathBuf,
     /// Report a change of a field's mean relative difference beyond this, and beyond five standard errors of it.
     #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().mean, value_parser = share)]
@@ -47,8 +47,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// The changes of what both results have as a table, and how many there are of each kind: of what only one of them has
-/// the number, since it may be a part of the fixtures.
+/// A table of the changes of comparisons that both results have, and the number of changes of each kind. Comparisons
+/// that only one result has are counted, not listed: it may hold a part of the fixtures.
 pub(super) fn described(changes: &[Change]) -> String {
     if changes.is_empty() {
         return "nothing has changed\n".into();
@@ -57,8 +57,8 @@ pub(super) fn described(changes: &[Change]) -> String {
         let Change { kind, device, fixture, stage, what } = change.clone();
         vec![kind.name().to_string(), device, fixture, stage, what]
     };
-    let one_only = |change: &&Change| matches!(change.kind, Kind::Added | Kind::Missing);
-    let rows: Vec<_> = changes.iter().filter(|change| !one_only(change)).map(row).collect();
+    let in_one_only = |change: &&Change| matches!(change.kind, Kind::Added | Kind::Missing);
+    let rows: Vec<_> = changes.iter().filter(|change| !in_one_only(change)).map(row).collect();
     let count = |kind: Kind| changes.iter().filter(|change| change.kind == kind).count();
     let counts: Vec<String> = Kind::ALL
         .into_iter()
@@ -66,13 +66,13 @@ pub(super) fn described(changes: &[Change]) -> String {
         .map(|kind| format!("{}: {}{}", kind.name(), count(kind), fixtures(changes, kind)))
         .collect();
     let rows = match rows.is_empty() {
-        true => "nothing that both have has changed\n".into(),
+        true => "no comparison that both have has changed\n".into(),
         false => table(["change", "device", "fixture", "stage", "what"], rows),
     };
     format!("{rows}{}\n", counts.join(", "))
 }
 
-/// Of how many fixtures comparisons are in one of two results only, and the name if it is one.
+/// For comparisons that only one result has: the number of their fixtures, or the name if there is one.
 fn fixtures(changes: &[Change], kind: Kind) -> String {
     if !matches!(kind, Kind::Added | Kind::Missing) {
         return String::new();

@@ -1,7 +1,8 @@
 //! `milkglass compile`: what compilers of GPUs that are not here make of a scene's kernels.
 //!
 //! A process for each compiler opens its device, creates the plan's pipelines and ends without destroying anything,
-//! since drivers of null hardware crash there. It writes lines of JSON; one that is killed names the kernel it was at.
+//! since drivers of null hardware crash there. It names each kernel in a line of JSON before it compiles it, so that
+//! the kernel is known at which a process was killed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
@@ -30,14 +31,15 @@ pub struct Arguments {
     run: RunArguments,
     #[command(flatten)]
     replace: ReplaceArgument,
-    /// Compilers: families of AMD GPUs for Mesa's RADV, such as polaris10, vega10, navi10, navi21 or gfx1100; `here`
-    /// for that of the device itself.
+    /// Compilers: families of AMD GPUs for Mesa's RADV, such as polaris10, vega10, navi10, navi21 or gfx1100; `here` is
+    /// the device's own compiler.
     #[arg(long = "for", value_name = "FAMILY,...", value_delimiter = ',', default_value = "navi21,gfx1100")]
     families: Vec<String>,
-    /// Also write everything that the compilers report, a row for each value.
+    /// Also write everything that the compilers report except hashes, a row for each value.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Compare with such a file, and fail where a kernel spills more, has fewer waves, or takes 10 % more cycles.
+    /// Compare with a file that --csv wrote; fail where a kernel spills more, needs more scratch memory, has fewer
+    /// waves, or takes over 10 % more cycles.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     /// How long a compiler may take, seconds.
@@ -59,7 +61,7 @@ struct Pipeline {
     statistics: Vec<(String, f64)>,
 }
 
-/// What a child writes.
+/// A line that a child writes.
 #[derive(Serialize, Deserialize)]
 enum Line {
     Device(String),
@@ -67,7 +69,7 @@ enum Line {
     Pipeline(Pipeline),
 }
 
-/// What a table shows of what drivers report, if they do: heading, and names of RADV and NVK.
+/// The columns of a table, each shown if a driver reports it: the heading, and its names in RADV and NVK.
 const SHOWN: [(&str, &[&str]); 9] = [
     ("registers", &["VGPRs", "Number of GPRs", "Register Count"]),
     ("scalar", &["SGPRs"]),
@@ -79,10 +81,10 @@ const SHOWN: [(&str, &[&str]); 9] = [
     ("latency", &["Latency"]),
     ("cycles", &["Inverse Throughput"]),
 ];
-/// Columns in which more is worse than in a baseline, and by which factor; the waves are the other way round.
+/// Columns in which a value is worse than the baseline's if it is more than this factor larger; fewer waves are worse.
 const WORSE: [(&str, f64); 3] = [("spilled", 1.0), ("scratch", 1.0), ("cycles", 1.1)];
 
-/// Compiles, and prints what is reported.
+/// Runs each compiler, prints what it reports, and compares that with the baseline.
 pub fn run(arguments: &Arguments) -> Result<()> {
     ready([("--csv", arguments.csv.as_ref())])?;
     if arguments.child {
@@ -92,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (mut rows, mut failed) = (BTreeMap::<String, Vec<Pipeline>>::new(), Vec::new());
     for family in &arguments.families {
         let mut command = itself("compile")?;
-        // The subcommand's own words, but for which compilers: the last one counts.
+        // The words of this call; of all values of --for, the child takes the last one.
         command.args(std::env::args_os().skip(2)).arg("--for").arg(family);
         if family != "here" {
             command.env("RADV_FORCE_FAMILY", family);
@@ -122,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// Creates the pipelines on this process's device, and ends it.
+/// Creates the pipelines on this process's device, and ends the process.
 fn child(arguments: &Arguments) -> Result<()> {
     let scene = arguments.run.of(&arguments.scene).load()?;
     let instance = Instance::open(false)?;
@@ -160,7 +162,7 @@ fn child(arguments: &Arguments) -> Result<()> {
     std::process::exit(0)
 }
 
-/// The value of a column.
+/// The value of a pipeline in a column, if its driver reports it.
 fn value(pipeline: &Pipeline, heading: &str) -> Option<f64> {
     let names = SHOWN.iter().find(|(known, _)| *known == heading)?.1;
     pipeline.statistics.iter().find(|(name, _)| names.contains(&name.as_str())).map(|(_, value)| *value)
@@ -182,7 +184,7 @@ fn sheet(all: &[Pipeline]) -> String {
     table(head, order.iter().map(row).collect::<Vec<Vec<String>>>())
 }
 
-/// Everything that was reported.
+/// Everything that the compilers reported except hashes, as CSV.
 fn text(rows: &BTreeMap<String, Vec<Pipeline>>) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut add = |row: [&str; 5]| writer.write_record(row).map_err(|error| Error::device("writing CSV", error));
@@ -198,7 +200,7 @@ fn text(rows: &BTreeMap<String, Vec<Pipeline>>) -> Result<Vec<u8>> {
     writer.into_inner().map_err(|error| Error::device("writing CSV", error))
 }
 
-/// Reads such a file.
+/// Reads a file that [`text`] made.
 fn read(path: &Path) -> Result<BTreeMap<String, Vec<Pipeline>>> {
     let fault = |what: &str| Input::new(what).file(path).key("--baseline");
     let mut reader = csv::Reader::from_path(path).map_err(|error| fault("the file could not be read").found(error))?;
@@ -216,7 +218,7 @@ fn read(path: &Path) -> Result<BTreeMap<String, Vec<Pipeline>>> {
     Ok(rows)
 }
 
-/// What is worse than it was, of the pipelines that both have.
+/// The values that are worse than before, of the pipelines that are in both.
 fn worse(before: &BTreeMap<String, Vec<Pipeline>>, now: &BTreeMap<String, Vec<Pipeline>>) -> Vec<String> {
     let mut found = Vec::new();
     for (family, own) in now.iter().flat_map(|(family, all)| all.iter().map(move |own| (family, own))) {
@@ -241,7 +243,7 @@ fn worse(before: &BTreeMap<String, Vec<Pipeline>>, now: &BTreeMap<String, Vec<Pi
 mod tests {
     use super::*;
 
-    fn one(statistics: &[(&str, f64)]) -> BTreeMap<String, Vec<Pipeline>> {
+    fn pipeline(statistics: &[(&str, f64)]) -> BTreeMap<String, Vec<Pipeline>> {
         let statistics = statistics.iter().map(|(name, value)| (name.to_string(), *value)).collect();
         let (kernel, constants) = ("a/b".to_string(), "N = 1, M = 2".to_string());
         [("navi21".to_string(), vec![Pipeline { kernel, constants, milliseconds: 0.0, statistics }])].into()
@@ -249,9 +251,9 @@ mod tests {
 
     #[test]
     fn what_is_worse_is_named_and_files_hold_what_was_reported() {
-        let old = one(&[("Spilled VGPRs", 0.0), ("Subgroups per SIMD", 8.0), ("Inverse Throughput", 100.0)]);
-        assert!(worse(&old, &one(&[("Spilled VGPRs", 0.0), ("Inverse Throughput", 109.0)])).is_empty());
-        let new = one(&[("Spilled VGPRs", 3.0), ("Subgroups per SIMD", 7.0), ("Inverse Throughput", 111.0)]);
+        let old = pipeline(&[("Spilled VGPRs", 0.0), ("Subgroups per SIMD", 8.0), ("Inverse Throughput", 100.0)]);
+        assert!(worse(&old, &pipeline(&[("Spilled VGPRs", 0.0), ("Inverse Throughput", 109.0)])).is_empty());
+        let new = pipeline(&[("Spilled VGPRs", 3.0), ("Subgroups per SIMD", 7.0), ("Inverse Throughput", 111.0)]);
         assert_eq!(
             worse(&old, &new),
             ["navi21: a/b: spilled 0 -> 3", "navi21: a/b: cycles 100 -> 111", "navi21: a/b: waves 8 -> 7"]

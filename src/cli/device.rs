@@ -38,18 +38,19 @@ impl DeviceArgument {
         }
     }
 
-    /// The same argument, for a command on the same device.
+    /// The argument as a word of a command line.
     #[cfg(feature = "window")]
     pub(super) fn words(&self) -> Option<String> {
         self.device.as_ref().map(|device| format!("--device={device}"))
     }
 
-    /// Whether it is the CPU.
+    /// Whether the CPU is requested.
     pub(super) fn is_cpu(&self) -> bool {
         self.device.as_deref().is_some_and(|wish| wish.eq_ignore_ascii_case("cpu"))
     }
 
-    /// The same among the devices of this instance; the CPU is none of them.
+    /// Opens the requested device, or the best one, among those of this instance. Without a usable one, and with none
+    /// requested, `None`: the CPU.
     pub(super) fn open_among(&self, instance: Result<Instance>, validation: bool) -> Result<Option<Device>> {
         let wish = self.device.as_deref();
         let found = instance.and_then(|instance| Ok((instance.adapters()?, instance)));

@@ -13,13 +13,13 @@ use milkglass::measure::table::Table;
 #[derive(Args)]
 #[command(after_help = "Example: milkglass devices\n         milkglass devices --probe")]
 pub struct Arguments {
-    /// Run small kernels with exact answers on each device: what it gets right and wrong that kernels rely on, and
-    /// known faults of drivers.
+    /// Run small kernels with exact answers on each device: they test what kernels rely on, and known faults of
+    /// drivers.
     #[arg(long)]
     probe: bool,
 }
 
-/// Runs the probes on every usable device; fails if one lacks what kernels rely on.
+/// Runs the probes on every usable device; fails if a device lacks what kernels rely on.
 fn probes() -> Result<()> {
     let instance = Instance::open(super::validation())?;
     let (mut rows, mut lacking) = (Vec::new(), 0);
@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn listed(rows: &[Option<Adapter>]) -> Table {
-    let own = |row: &Option<Adapter>, of: &dyn Fn(&Adapter) -> String| row.as_ref().map_or_else(|| "-".into(), of);
+    let cell = |row: &Option<Adapter>, text: &dyn Fn(&Adapter) -> String| row.as_ref().map_or_else(|| "-".into(), text);
     let name = |adapter: &Adapter| format!("{} ({})", adapter.name, adapter.kind);
     let state = |adapter: &Adapter| adapter.unusable.clone().unwrap_or_else(|| "usable".into());
     let rounding = |limits: Limits| if limits.round_to_nearest { "to nearest" } else { "not offered" };
@@ -60,16 +60,16 @@ fn listed(rows: &[Option<Adapter>]) -> Table {
         &[
             ("device", "", &|row| row.as_ref().map_or_else(|| "cpu".into(), |adapter| adapter.number.to_string())),
             ("name", "", &|row| row.as_ref().map_or_else(|| "CPU reference (f64)".into(), name)),
-            ("driver", "", &|row| own(row, &|adapter| adapter.driver.clone())),
-            ("Vulkan", "", &|row| own(row, &|adapter| adapter.version.clone())),
+            ("driver", "", &|row| cell(row, &|adapter| adapter.driver.clone())),
+            ("Vulkan", "", &|row| cell(row, &|adapter| adapter.version.clone())),
             ("state", "", &|row| row.as_ref().map_or_else(|| "usable".into(), state)),
-            ("binding", "", &|row| own(row, &|adapter| size(adapter.limits.binding_bytes))),
-            ("allocation", "", &|row| own(row, &|adapter| size(adapter.limits.allocation_bytes))),
-            ("buffers", "", &|row| own(row, &|adapter| adapter.limits.storage_buffers.to_string())),
-            ("push", "", &|row| own(row, &|adapter| format!("{} B", adapter.limits.push_bytes))),
-            ("group", "", &|row| own(row, &|adapter| adapter.limits.group_invocations.to_string())),
-            ("subgroup", "", &|row| own(row, &|adapter| adapter.limits.subgroup_size.to_string())),
-            ("rounding", "", &|row| own(row, &|adapter| rounding(adapter.limits).into())),
+            ("binding", "", &|row| cell(row, &|adapter| size(adapter.limits.binding_bytes))),
+            ("allocation", "", &|row| cell(row, &|adapter| size(adapter.limits.allocation_bytes))),
+            ("buffers", "", &|row| cell(row, &|adapter| adapter.limits.storage_buffers.to_string())),
+            ("push", "", &|row| cell(row, &|adapter| format!("{} B", adapter.limits.push_bytes))),
+            ("group", "", &|row| cell(row, &|adapter| adapter.limits.group_invocations.to_string())),
+            ("subgroup", "", &|row| cell(row, &|adapter| adapter.limits.subgroup_size.to_string())),
+            ("rounding", "", &|row| cell(row, &|adapter| rounding(adapter.limits).into())),
         ],
     )
 }

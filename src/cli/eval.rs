@@ -1,4 +1,4 @@
-//! `milkglass eval`: evaluates one row after another, to check the kernels from outside.
+//! `milkglass eval`: evaluates formulas for each row of a file, to check the kernels from outside.
 
 use std::path::PathBuf;
 
@@ -35,7 +35,7 @@ pub struct Arguments {
     memory: MemoryArgument,
 }
 
-/// Bytes of memory per byte of a table.
+/// Bytes of memory that a byte of the input file needs.
 const COPIES: u64 = 128;
 
 /// Evaluates every row and writes the results beside the input's columns.

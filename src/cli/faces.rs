@@ -28,7 +28,7 @@ pub(super) fn csv(session: &Session, rows: &[FaceLight]) -> String {
     text
 }
 
-/// An amount of light with the digits of an `f32`, also outside its range.
+/// An amount of light with the digits of an `f32`, also outside the range of one.
 fn digits(x: f64) -> String {
     let single = x as f32;
     if single.is_normal() || x == 0.0 { format!("{single:e}") } else { format!("{x:.7e}") }

@@ -21,11 +21,11 @@ pub struct Arguments {
     material: String,
     #[command(flatten)]
     device: DeviceArgument,
-    /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths, averaged over the channels; within a
-    /// factor of 4 of the channel's own].
+    /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths, averaged over the channels but at
+    /// most 4 times longer or shorter than the channel's own].
     #[arg(long, value_name = "R,R,...")]
     radii: Option<String>,
-    /// Photons of each ball's random walk, and channel.
+    /// Photons of the random walk in each ball and channel.
     #[arg(long, default_value_t = 30_000)]
     photons: u64,
     /// Seed of the random walks.
@@ -36,7 +36,7 @@ pub struct Arguments {
     svg: Option<PathBuf>,
 }
 
-/// Most radii, and most photons per ball.
+/// Most radii, and most photons per ball and channel.
 const MOST: (usize, u64) = (64, MOST_WALKS as u64);
 
 /// Fits and prints.
@@ -115,7 +115,7 @@ fn parse(text: &str) -> Result<Vec<f64>> {
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|r| (1e-6..=1e6).contains(r));
     let radii: Option<Vec<f64>> = text.split(',').map(number).collect();
     radii.filter(|radii| radii.len() <= MOST.0).ok_or_else(|| {
-        let fault = Input::new("no radii").key("--radii").found(text);
+        let fault = Input::new("not a list of radii").key("--radii").found(text);
         fault.expected(format!("up to {} numbers from 1e-6 to 1e6, mm: 1,5,20", MOST.0)).into()
     })
 }

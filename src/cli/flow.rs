@@ -16,9 +16,9 @@ const LANE: usize = 20;
 /// Where the names of stages and the lanes begin, from the left.
 const NAMES: usize = 110;
 const LANES: usize = 290;
-/// Rows above the first one: what marks mean.
+/// Rows above the first one, which say what the marks mean.
 const HEAD: usize = 3;
-/// Letters of a buffer's name that a row is as high as: they are written along its line.
+/// Letters of a buffer's name that take the height of a row: names are written along the lines, downwards.
 const LETTERS: usize = 3;
 
 /// What a step of the frame does with a buffer.
@@ -35,7 +35,7 @@ struct Row {
     name: &'static str,
     /// What the stage does; empty for a title.
     about: &'static str,
-    /// What it does with buffers.
+    /// What the stage does with buffers.
     uses: Vec<(BufferId, Use)>,
     /// Whether the frame runs it.
     runs: bool,

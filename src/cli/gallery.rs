@@ -16,14 +16,14 @@ use milkglass::measure::folder::{Folder, GALLERY};
 use milkglass::measure::report::{escape, png};
 use milkglass::scene::{Preset, Studio, Wishes};
 
-/// Shapes that are shown without a file.
+/// Built-in shapes that are shown if no file is given.
 const SHAPES: [&str; 4] = ["bust", "lotus", "torus", "gecko"];
 
 /// Arguments of `gallery`.
 #[derive(Args)]
 #[command(after_help = "Example: milkglass gallery bunny.obj -o gallery --materials marble,skin1")]
 pub struct Arguments {
-    /// Meshes; four built-in shapes without.
+    /// Meshes [default: four built-in shapes].
     #[arg(value_parser = super::paths::any_path())]
     files: Vec<String>,
     /// The folder of the page and its pictures: new, empty, or one with an earlier gallery.
@@ -115,7 +115,7 @@ fn picture(scene: &milkglass::Scene, device: Option<&Device>) -> Result<Vec<u8>>
     png(scene.camera.size, &bytes)
 }
 
-/// A name without anything that a file's name or a page had better not have.
+/// A name in which `-` replaces everything but letters, digits, `-` and `_`.
 fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '-' }).collect()
 }

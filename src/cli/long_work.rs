@@ -1,4 +1,4 @@
-//! What will take long, said before it runs, and what makes it cheaper.
+//! Tells what will take long before it runs, and what makes it cheaper.
 
 use serde_json::{Value, json};
 
@@ -72,7 +72,7 @@ fn largest(lights: &[Light]) -> Option<String> {
     })
 }
 
-/// `262,144 pixels x 272 samples of lights`.
+/// `262,144 pixels x 272 light samples`.
 fn product(rays: &Rays) -> String {
     let places = format!("{} {}", count(rays.places as f64), rays.per);
     match rays.samples {
@@ -81,7 +81,7 @@ fn product(rays: &Rays) -> String {
     }
 }
 
-/// Part of a plan: the rays of each stage.
+/// Part of a plan: the rays of each stage, and the triangles near a receiver.
 pub fn of_plan(load: &Workload) -> String {
     let row = |rays: &Rays| {
         let [all, boxes] = [rays.count() as f64, rays.boxes].map(count);
@@ -100,11 +100,11 @@ pub fn of_plan(load: &Workload) -> String {
     text
 }
 
-/// The same, as JSON.
+/// The rays of each stage, as JSON.
 pub fn json_of(load: &Workload) -> Value {
-    let one = |rays: &Rays| {
+    let stage = |rays: &Rays| {
         json!({"stage": rays.stage, "rays": rays.count(), "per": rays.per, "places": rays.places,
                "light_samples": rays.samples, "cast": rays.share, "boxes": rays.boxes})
     };
-    load.rays.iter().map(one).collect()
+    load.rays.iter().map(stage).collect()
 }

@@ -1,4 +1,4 @@
-//! Memory limit for a scene, a mesh or a table.
+//! The limit of memory for a scene, a mesh or a table.
 
 use clap::Args;
 
@@ -27,7 +27,7 @@ impl std::fmt::Display for Size {
 }
 
 impl MemoryArgument {
-    /// The same argument, for a process to start.
+    /// The argument as words of a command line.
     pub(super) fn words(&self) -> Vec<String> {
         vec!["--limit-memory".into(), self.limit_memory.to_string()]
     }

@@ -168,14 +168,14 @@ struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// All settings, those by options of their own last.
+    /// All settings: those of `--set`, then those of `--animation` and `--fps`.
     fn sets(&self) -> Vec<String> {
         let name = self.animation.as_ref().map(|name| format!("animation={}", toml::Value::String(name.clone())));
         let fps = self.fps.map(|fps| format!("fps={fps:?}"));
         self.sets.iter().cloned().chain(name).chain(fps).collect()
     }
 
-    /// The same arguments, for a process to start.
+    /// The arguments as words of a command line.
     fn words(&self) -> Vec<String> {
         let sets = self.sets.iter().flat_map(|set| ["--set".to_string(), set.clone()]);
         let animation = self.animation.iter().map(|name| format!("--animation={name}"));
@@ -197,7 +197,7 @@ impl SceneArguments {
         Scene::check_at(&self.scene, &self.sets(), frame)
     }
 
-    /// Loads another scene with the same memory limit.
+    /// Loads another scene, at frame 0 without settings, with the same memory limit.
     fn other(&self, name: &str) -> Result<Scene> {
         Scene::load_from(name, &[], 0.0, &self.memory.files())
     }
@@ -210,7 +210,7 @@ impl SceneArguments {
     }
 }
 
-/// Returns an error if this is no frame.
+/// Returns an error if a frame is not finite.
 fn finite(frame: f64) -> Result<()> {
     if frame.is_finite() {
         return Ok(());
@@ -244,7 +244,8 @@ fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Res
     Ok(session)
 }
 
-/// Reports on standard error what there is to say of a new session: tree fallbacks and the like.
+/// Reports on standard error what the user must know of a new session: tree fallbacks, deformations gone wrong, and the
+/// like.
 fn greet(session: &mut Session) {
     walk::watch(session);
     for (object, method) in session.prepared().methods.iter().enumerate() {

@@ -127,10 +127,10 @@ fn replaced(before: &Sweep, after: &Sweep) -> String {
         ("ratio", "", &|(_, [before, after])| format!("{:.3}", after / before)),
     ];
     let table = Table::of(&rows, &columns).text();
-    format!("one sweep after the other; what follows is the replaced one's\n{table}\n")
+    format!("one sweep after the other; what follows is of the replaced shaders\n{table}\n")
 }
 
-/// An error if the name's extension is that of another format.
+/// Returns an error if the name's extension is that of another format.
 fn check(option: &str, path: &Path, ending: &str) -> Result<()> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
         return Ok(());
@@ -172,11 +172,11 @@ fn text(found: &Sweep, origin: &Origin) -> String {
     let mut text = format!(
         "{scene}: {faces} faces, {extent_mm} mm across, {material}\non {device}, {driver}\n\n\
          times: median of {repeat} frames after a first one, milliseconds; `device` by its timestamps, `wall` from \
-         call to result,\n       spread from the fastest to the slowest frame as a share of the median, `busy` a fixed small job beside it as \
-         a\n       multiple of its fastest\n\
+         call to result,\n       spread from the fastest to the slowest frame as a share of the median, `busy` the time \
+         of a fixed small job beside it\n       as a multiple of its fastest\n\
          errors: of B at {} seeded faces, worst channel; `own` against brute force in f64 over the method's own leaf \
-         sums, `total`\n        against the area integral over the same faces; `leaves` is the L2 of the one against \
-         the other\n        (midpoint sums without clusters: {:.1e}); * on the front of wall time and L2; diffusion is \
+         sums, `total`\n        against the area integral over the same faces; `leaves` is the L2 of those leaf sums \
+         against it\n        (midpoint sums without clusters: {:.1e}); * on the front of wall time and L2; diffusion is \
          another model: `own`\n        against its own solution on the CPU at a tenth of its finest tolerance\n\n",
         found.samples, found.midpoint.l2,
     );

@@ -1,4 +1,4 @@
-//! Paths on the command line: names that are no UTF-8, and pipes.
+//! Paths on the command line: names that are not UTF-8, and pipes.
 
 use std::path::Path;
 
@@ -6,12 +6,12 @@ use clap::builder::{OsStringValueParser, TypedValueParser};
 
 use milkglass::scene::text_of_path;
 
-/// Takes any path as text, also where it is no UTF-8.
+/// Takes any path as text, also one that is not UTF-8.
 pub(super) fn any_path() -> impl TypedValueParser<Value = String> {
     OsStringValueParser::new().map(text_of_path)
 }
 
-/// Says what a named pipe is waited for, once; reading it may take for ever.
+/// Says, once in a process, that a named pipe is being waited for: reading it may take for ever.
 pub(super) fn announce_pipe(path: &Path) {
     #[cfg(unix)]
     {

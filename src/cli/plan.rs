@@ -45,9 +45,9 @@ pub struct Arguments {
     flow: Option<PathBuf>,
 }
 
-/// A frame from scratch whose picture is shown.
+/// The change before a frame from scratch whose picture is shown.
 const WHOLE: Change = Change { relink: true, tone: true, ..Change::EVERYTHING };
-/// What the error estimate lacks where light casts shadows and `transport.subdivide` is 0.
+/// What is told where the error estimate leaves out borders of shadows.
 const BORDERS: &str =
     "\nerror estimate: without borders of shadows within triangles; transport.subdivide = 2 puts them in\n";
 

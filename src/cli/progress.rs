@@ -1,4 +1,4 @@
-//! A bar on standard error while a long measurement or a random walk runs; nothing where that is no terminal.
+//! A bar on standard error while a long measurement or a random walk runs; nothing where standard error is no terminal.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -46,7 +46,7 @@ pub(super) fn show_walk(progress: Option<&WalkProgress>) {
         shown.take().iter().for_each(ProgressBar::finish_and_clear);
         return;
     };
-    // A bar is drawn at most every 50 ms, on the first change after: all that it shows first goes in at once.
+    // A bar is drawn at most every 50 ms, on the first change after that: set everything before it is drawn first.
     let (prefix, message) = (format!("walk, object {}", progress.object), so_far(progress));
     let position = (1000.0 * progress.done) as u64;
     match &*shown {

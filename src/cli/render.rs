@@ -54,7 +54,7 @@ pub struct Arguments {
     times: bool,
 }
 
-/// What a picture is made of, and its size.
+/// The scene of a picture, how it is rendered, and the picture's size.
 #[derive(Args)]
 pub struct PictureArguments {
     #[command(flatten)]
@@ -213,7 +213,7 @@ pub fn ramp_rows(ramp: &CurvatureView) -> Vec<(f64, String)> {
     (0..5).map(row).collect()
 }
 
-/// kappa in 1/mm, the radius in mm, and the colour.
+/// Rows of the scale of colours: kappa in 1/mm, its inverse in mm, and the colour.
 pub fn curvature_rows(view: &CurvatureView, unit_mm: f64) -> Vec<Vec<String>> {
     let row = |(kappa, color): (f64, String)| {
         let radius = if kappa > 0.0 { format!("{:.3e}", unit_mm / kappa) } else { "flat".into() };

@@ -30,10 +30,10 @@ pub(super) struct ReplaceArgument {
 }
 
 impl ReplaceArgument {
-    /// The same arguments, for a command to repeat.
+    /// The arguments as the end of a shell command that repeats this one.
     pub(super) fn again(&self) -> String {
-        let one = |(option, value): (&str, &String)| format!(" {option} {}", quoted(value));
-        self.given().map(one).collect()
+        let words = |(option, value): (&str, &String)| format!(" {option} {}", quoted(value));
+        self.given().map(words).collect()
     }
 
     /// The pairs of kernel and file, as given.
@@ -41,13 +41,13 @@ impl ReplaceArgument {
         &self.replace
     }
 
-    /// The same in words, with the file of constants.
+    /// The pairs and the file of constants, for people to read.
     pub(super) fn told(&self) -> Vec<String> {
         let constants = self.constants.iter().map(|file| format!("constants of {file}"));
         self.replace.iter().cloned().chain(constants).collect()
     }
 
-    /// The same arguments, for a process to start.
+    /// The arguments as words of a command line.
     pub(super) fn words(&self) -> impl Iterator<Item = &str> {
         self.given().flat_map(|(option, value)| [option, value])
     }
@@ -81,8 +81,8 @@ impl ReplaceArgument {
         Ok(loaded)
     }
 
-    /// The device with these shaders, after a check of their values on the first of these scenes that use them; none
-    /// if no shader is given.
+    /// The device with these shaders, after a check of their values on the first of these scenes that together run all
+    /// of them; none if no shader is given.
     pub(super) fn on(&self, device: Option<&Device>, setups: &[(&Scene, Options)]) -> Result<Option<Device>> {
         let loaded = self.load()?;
         if loaded.is_empty() {

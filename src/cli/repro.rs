@@ -1,4 +1,4 @@
-//! `milkglass replay`: runs what `dump` and `conform --dump` wrote; and what the three share.
+//! `milkglass replay`: runs cases that `dump` or `conform --dump` wrote; and functions that the three share.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use milkglass::measure::repro::minimize::minimize;
 use milkglass::measure::repro::run::Found;
 use milkglass::measure::results::Verdict;
 
-/// A Vulkan device.
+/// The arguments that choose a Vulkan device.
 #[derive(Args)]
 pub(super) struct Chosen {
     /// A device's number in `milkglass devices`, or part of its name [default: the best Vulkan device].
@@ -29,7 +29,7 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    /// Opens it.
+    /// Opens the device.
     pub(super) fn open(&self) -> Result<Device> {
         let instance = Instance::open(!self.no_validation)?;
         let adapters = instance.adapters()?;
@@ -73,8 +73,8 @@ pub struct Arguments {
     /// Run each case this many times: a race may show in one of them only.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     times: u32,
-    /// How long a case may take, in a process of its own, seconds [default: for two runs 600, or what the case took
-    /// too long for].
+    /// How long a case may take, in a process of its own, seconds [default: for two runs 600, or the limit that it
+    /// exceeded before].
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<f64>,
     /// Run one case, and write lines of JSON: for the process that has started this one.
@@ -82,7 +82,7 @@ pub struct Arguments {
     child: bool,
 }
 
-/// What a process says that runs a case.
+/// What a process that runs a case says.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Said {
@@ -153,8 +153,8 @@ fn say(said: &Said) -> Result<()> {
     print(&format!("{text}\n"))
 }
 
-/// Runs a case in a process of its own, with these more arguments, so many times, within so many seconds: what it left,
-/// or why it has not ended.
+/// Runs a case `times` times in a process of its own, with `words` as further arguments, for at most `timeout` seconds;
+/// returns what it found, or why the process did not end well.
 pub(super) fn played(
     folder: &Path,
     words: &[String],
@@ -174,11 +174,11 @@ pub(super) fn played(
         (Some((Verdict::DeviceFailed, why)), _) if !opened => Err(Error::device("opening the device", why)),
         (Some(ended), _) => Ok(Err(ended)),
         (None, Some(found)) => Ok(Ok(found)),
-        (None, None) => Ok(Err((Verdict::Crashed, "it ended without a word".into()))),
+        (None, None) => Ok(Err((Verdict::Crashed, "it ended without a result".into()))),
     }
 }
 
-/// The folder itself if it is a case, else those in it that are.
+/// The folder itself if it is a case, else the cases in it.
 fn folders(folder: &Path) -> Result<Vec<PathBuf>> {
     if folder.join(CASE.page).is_file() {
         return Ok(vec![folder.to_path_buf()]);
@@ -228,7 +228,7 @@ pub(super) fn describe(folder: &Path, case: &Case) -> String {
     )
 }
 
-/// Its groups and bytes.
+/// The number of groups and bytes of a case, in words.
 pub(super) fn amount(case: &Case) -> String {
     let groups = case.groups();
     format!("{groups} group{}, {}", if groups == 1 { "" } else { "s" }, size(case.bytes() as u64))

@@ -22,7 +22,7 @@ impl OptionArguments {
         unwrap.into_iter().chain(sets.iter().cloned()).collect()
     }
 
-    /// The same arguments, for a process to start.
+    /// The arguments as words of a command line: `--mode`, its value, `--transport`, its value.
     pub(super) fn words(&self) -> Vec<String> {
         let name = |value: Option<clap::builder::PossibleValue>| {
             value.map(|value| value.get_name().to_string()).unwrap_or_default()

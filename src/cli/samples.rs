@@ -1,4 +1,4 @@
-//! How long the samples of a picture will take, and why, said before the first one where that is long; and a bar.
+//! Tells how long the samples of a picture will take, and why, before the first one if that is long; and shows a bar.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -18,13 +18,13 @@ use milkglass::scene::{Light, Receivers, Source};
 /// Seconds from which the samples that are left count as long.
 const LONG: f64 = 5.0;
 
-/// Pixels times samples of a picture from which on a small one is timed first: a picture of fewer is not long.
+/// Pixels times samples from which a small picture is timed first; a picture with fewer does not take long.
 const LARGE: f64 = 1e6;
-/// Pixels of the small one, about.
+/// Pixels of the small picture, about.
 const SMALL: f64 = 4096.0;
 
-/// Says before a large picture is made how long that takes, if it is long: from a small picture, which this renders.
-/// The session's light is found then. Returns the times of its steps; none if nothing was timed.
+/// Tells how long a large picture will take, if that is long, from a small picture that this renders; this also solves
+/// the session's light. Returns the times of the first frame's steps; none if nothing was timed.
 pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
     let camera = session.scene().camera.clone();
     let [width, height] = camera.size.map(f64::from);
@@ -44,9 +44,9 @@ pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
     let size = [width, height].map(|side| ((side * share.sqrt()).ceil() as u32).max(1));
     session.set_camera(&camera.clone().sized(size)?)?;
     let times = run_frame(session, Change::EVERYTHING)?;
-    // Once more: the first time a driver may still compile kernels.
+    // The second frame is timed: during the first one the driver may still compile kernels.
     let mut steps = session.frame(Change::VIEW)?;
-    // Only what depends on the picture grows with it.
+    // Only stages that depend on the picture take longer for a larger one.
     steps.retain(|step| {
         let name = step.name.split(' ').next().unwrap_or_default();
         stage(name).is_some_and(|stage| stage.needs.contains(&Need::Picture))
@@ -63,15 +63,15 @@ pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
 
 /// The progress of a picture's samples.
 pub struct Samples {
-    /// When they began; none if nothing is said.
+    /// When they began; none if no line is to tell how long they take.
     start: Option<Instant>,
     bar: ProgressBar,
-    /// What makes its rays fewer, if a light has several samples.
+    /// The key that makes its rays fewer, if a light has several samples.
     fewer: Option<String>,
 }
 
 impl Samples {
-    /// The start of a session's samples; `foretold` if it is known how long they take.
+    /// The start of a session's samples; `foretold` if [`foretell`] has told how long they take.
     pub fn new(session: &Session, foretold: bool) -> Self {
         let bar = match session.scene().camera.samples {
             1 => ProgressBar::hidden(),
@@ -83,7 +83,7 @@ impl Samples {
         Self { start: (!foretold).then(Instant::now), bar, fewer: fewer(&session.scene().lights) }
     }
 
-    /// Samples that nothing is said about, as those of a frame among many.
+    /// Samples whose progress is not shown, such as those of one frame among many.
     pub fn hidden() -> Self {
         Self { start: None, bar: ProgressBar::hidden(), fewer: None }
     }
@@ -103,7 +103,7 @@ impl Samples {
     }
 }
 
-/// What to say about `what` that takes so many seconds, if that is long.
+/// A line about `what`, which takes this many seconds, if that is long.
 fn long(seconds: f64, what: &str, steps: &[Timing], fewer: Option<&str>) -> Option<String> {
     if seconds < LONG {
         return None;

@@ -58,7 +58,7 @@ impl Job<'_> {
         let skips = |frame: &i32| self.skip && whole(&output(*frame));
         let (left_out, wanted): (Vec<i32>, Vec<i32>) = self.frames.clone().partition(skips);
         wanted.iter().try_for_each(|&frame| {
-            let told = |_: &Error| tell!("frame {frame} is no scene; nothing was rendered");
+            let told = |_: &Error| tell!("the scene is not valid at frame {frame}; nothing was rendered");
             self.scenes.check(f64::from(frame)).inspect_err(told)
         })?;
         let bar = ProgressBar::new(wanted.len() as u64);
@@ -66,7 +66,7 @@ impl Job<'_> {
             bar.set_style(style);
         }
         let mut session = self.metered(device)?;
-        let mut one = |frame: i32| -> Result<()> {
+        let mut render = |frame: i32| -> Result<()> {
             let mut scene = self.scenes.at(f64::from(frame))?;
             scene.camera = scene.camera.clone().sized(self.size.unwrap_or(scene.camera.size))?;
             let session = match &mut session {
@@ -90,9 +90,9 @@ impl Job<'_> {
             Ok(())
         };
         for (done, &frame) in wanted.iter().enumerate() {
-            one(frame).inspect_err(|_| {
+            render(frame).inspect_err(|_| {
                 bar.finish_and_clear();
-                tell!("frame {frame} failed; {done} before it are whole, and --skip-existing goes on from here");
+                tell!("frame {frame} failed; the {done} before it are whole, and --skip-existing goes on from here");
             })?;
         }
         bar.finish_and_clear();
@@ -106,8 +106,8 @@ impl Job<'_> {
 }
 
 impl Job<'_> {
-    /// A session that has found the exposure of a film whose camera is metered, by its frame 0, or else by the first
-    /// one of the range, so that films rendered in parts have one exposure; none for any other film.
+    /// For a film whose camera is metered, a session that has found the exposure from frame 0, or else from the first
+    /// frame of the range, so that films rendered in parts have one exposure; none for any other film.
     fn metered(&self, device: Option<&Device>) -> Result<Option<Session>> {
         let at = |frame: f64| self.scenes.check(frame).and_then(|()| self.scenes.at(frame));
         let first = f64::from(*self.frames.start());
@@ -127,7 +127,8 @@ impl Job<'_> {
     }
 }
 
-/// Reports trees that deformations have spoilt, and triangles turned inside out, where the picture is wrong.
+/// Deforms the session's objects, and reports trees that had to be rebuilt and triangles that are turned inside out,
+/// where the picture is wrong.
 pub fn warn_of_shape(session: &mut Session, frame: &str) {
     session.deform();
     session.rebuilt().iter().for_each(|line| tell!("{frame}{line}"));
@@ -139,8 +140,8 @@ pub fn warn_of_shape(session: &mut Session, frame: &str) {
     }
 }
 
-/// Writes the picture of the last frame, with layers if `aov`; `samples` tells how far it is. Returns the times of its
-/// samples.
+/// Writes the picture of the last frame, with layers if `aov`; `samples` shows how many are done. Returns the times of
+/// the samples' steps.
 pub fn shoot(session: &mut Session, aov: bool, output: &Path, mut samples: Samples) -> Result<Vec<Timing>> {
     // Layers first: they belong to rays through the pixels' centres.
     let layers = if aov { Some(layers(session)?) } else { None };

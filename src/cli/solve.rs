@@ -63,7 +63,7 @@ fn format(path: &Path) -> Result<Format> {
     }
 }
 
-/// The phase that is the frames, stages included.
+/// The name of the phase of frames, with their stages.
 pub const FRAMES: &str = "frames";
 
 /// Solves, writes the output, and verifies if requested.
@@ -135,8 +135,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Reports what the error estimate lacks: that it could not be refined, and is the larger one transported along with
-/// the light; that borders of shadows are not in it.
+/// Reports on standard error that the error estimate could not be refined, and is the larger one transported along with
+/// the light; that triangles are too long to have one value each; that the estimate leaves out borders of shadows.
 pub fn tell_estimate(session: &mut Session) -> Result<()> {
     if let Some(why) = session.blunt() {
         tell!("the error estimate is a looser one, since the second solve that sharpens it failed: {why}");
@@ -165,7 +165,7 @@ pub fn tell_estimate(session: &mut Session) -> Result<()> {
     Ok(())
 }
 
-/// Wall time beside the stages, which took so many milliseconds within the frames.
+/// Wall time beside the stages, by phase; `stages` is the time of all stages within the frames, ms.
 fn phase_rows(stages: f64) -> Vec<Vec<String>> {
     let (phases, all) = phases();
     let known: f64 = phases.iter().map(|(_, ms)| ms).sum();
@@ -177,7 +177,8 @@ fn phase_rows(stages: f64) -> Vec<Vec<String>> {
     rows.map(|(name, ms)| vec![name.to_string(), format!("{ms:.3}")]).collect()
 }
 
-/// Prints wall time by phase and the time of each stage, summed over its steps in all frames, and the number of links.
+/// Prints the time of each stage, summed over its steps in all frames, wall time by phase, and the numbers of entries
+/// per block and of links.
 pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     session.fetch(&[BufferId::spans, BufferId::runs])?;
     let mut rows: Vec<(String, usize, f64)> = Vec::new();

@@ -10,9 +10,9 @@ static MAY_END: AtomicBool = AtomicBool::new(false);
 /// Whether it is to end.
 static ENDS: AtomicBool = AtomicBool::new(false);
 
-/// On Ctrl-C, unless the work under way can end early, or a request to terminate, removes partial files before the
-/// program ends with exit code 130, or 128 plus the signal's number. Writing a file larger than the
-/// system allows remains an ordinary error.
+/// On Ctrl-C, a hang-up or a request to terminate, ends the child process, removes partial files, and ends the program
+/// with exit code 128 plus the signal's number: 130 for Ctrl-C. The first Ctrl-C only asks work that can end early to
+/// do so. Writing a file larger than the system allows remains an ordinary error.
 #[cfg(unix)]
 pub fn remove_when_stopped() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
@@ -39,19 +39,19 @@ fn child() -> MutexGuard<'static, Option<Child>> {
     CHILD.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// Keeps a process that was started: it ends when this one is stopped.
+/// Keeps a process that was started, so that it ends when this one is stopped.
 pub(super) fn guard(started: Child) {
     *child() = Some(started);
 }
 
-/// Ends that process.
+/// Kills that process.
 pub(super) fn kill() {
     if let Some(child) = child().as_mut() {
         let _ = child.kill();
     }
 }
 
-/// Waits for that process until this time, then ends it; its status if it ended by itself.
+/// Waits for that process until this time, then kills it; returns its status if it ended by itself.
 pub(super) fn wait(end: Instant) -> Option<ExitStatus> {
     loop {
         let status = child().as_mut().map(Child::try_wait);

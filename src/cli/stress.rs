@@ -27,7 +27,7 @@ pub struct Arguments {
     csv: Option<PathBuf>,
 }
 
-/// Runs the cases, prints the table, and fails if one of them does.
+/// Runs the cases, prints the table, and fails if one of the cases fails.
 pub fn run(arguments: &Arguments) -> Result<()> {
     ready([("--csv", arguments.csv.as_ref())])?;
     let device = arguments.device.open(validation())?;
@@ -51,9 +51,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// The table as a file, with the reasons for the bounds.
 fn csv(outcomes: &[Outcome]) -> Result<String> {
-    let octree = |outcome: &Outcome, of: fn(Worst) -> f64| {
+    let octree = |outcome: &Outcome, norm: fn(Worst) -> f64| {
         // Blank where there is no octree result.
-        outcome.octree.map_or_else(String::new, |error| format!("{:e}", of(error)))
+        outcome.octree.map_or_else(String::new, |error| format!("{:e}", norm(error)))
     };
     let columns: [Column<'_, Outcome>; 15] = [
         ("case", "", &|o| o.case.name.into()),

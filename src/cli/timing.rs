@@ -7,11 +7,11 @@ use milkglass::internals::pipeline::plan::Change;
 /// Most frames.
 pub(super) const MOST: u32 = 10_000;
 
-/// How long to time what.
+/// How many frames to time, for how long, and what changes before each.
 #[derive(Args)]
 pub(super) struct TimingArguments {
-    /// Timed frames, after those that warm up; `profile` compares in at least 9 starts, of a ninth of them each,
-    /// rounded up [default: 11; where several are compared 128 of each].
+    /// Timed frames, after those that warm up; `profile` divides those of a comparison into at least 9 starts [default:
+    /// 11; where variants are compared, 128 of each].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
     pub(super) frames: Option<u32>,
     /// Time frames until the interval of each stage that takes 2 % or more of the frame is at most this wide on either
@@ -53,7 +53,7 @@ impl TimingArguments {
         }
     }
 
-    /// Its name.
+    /// The name of what changes before each frame.
     pub(super) fn change_name(&self) -> String {
         self.change.to_possible_value().map_or_else(String::new, |value| value.get_name().to_string())
     }

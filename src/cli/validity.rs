@@ -64,7 +64,7 @@ fn cell(part: Share) -> String {
     if part.area > 0.0 { format!("{} ({:.0} %)", percent(part), 100.0 * part.area) } else { "-".into() }
 }
 
-/// Errors by thickness, and in columns by sigma.
+/// Errors of the CDRF: a row for each part of the thickness, a column for each part of sigma.
 fn by_thickness(all: &[Place]) -> Table {
     let within = |x: f64, [low, high]: [f64; 2]| x >= low && (x < high || high.is_infinite());
     let (thick, bent) = (parts(&THICK), parts(&BENT));

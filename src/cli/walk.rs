@@ -25,7 +25,7 @@ pub(super) struct LimitArgument {
 }
 
 impl LimitArgument {
-    /// Has it hold for all walks from here on.
+    /// Makes the limit hold for all walks from here on.
     pub(super) fn hold(&self) {
         if let Some(limit) = self.limit_time {
             let _ = LIMIT.set(limit);
@@ -46,13 +46,14 @@ fn parse(text: &str) -> std::result::Result<Duration, String> {
     time.ok_or_else(|| "expected a number of seconds above 0, or such as 90s, 5m, 2h".to_string())
 }
 
-/// Walks that say how long they take and how far they are, are refused if that is too long, and end early on Ctrl-C.
+/// The control of walks that tell how long they take and show how far they are, are refused if they would take too
+/// long, and end early on Ctrl-C.
 pub(super) fn control() -> WalkControl {
     let limit = LIMIT.get().copied();
     WalkControl { limit, stop: Some(ends), tell: Some(tell_beside), show: Some(show_walk), ..WalkControl::default() }
 }
 
-/// Has a session's walks do so.
+/// Gives a session's walks this control.
 pub(super) fn watch(session: &mut Session) {
     may_end(session.plan().options().transport == ShadingMethod::Walk);
     session.watch_walk(control());

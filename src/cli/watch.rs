@@ -1,4 +1,4 @@
-//! Work in a process of its own: a hang or a crash ends that one.
+//! Work in a process of its own: a hang or a crash ends that process only.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -12,10 +12,10 @@ use super::text::last_error;
 use milkglass::error::{Error, Input, Result};
 use milkglass::measure::results::Verdict;
 
-/// What is done when that fails.
+/// What an error says was being done.
 const STARTS: &str = "starting a process of its own";
 
-/// A time as an argument.
+/// Parses a time limit, in seconds.
 pub(super) fn seconds(text: &str) -> std::result::Result<f64, String> {
     let found = text.parse().ok().filter(|seconds| (0.001..=1e6).contains(seconds));
     found.ok_or_else(|| "expected 0.001 to 1e6 seconds".into())
@@ -44,8 +44,8 @@ fn lines(child: &mut Child) -> Receiver<String> {
     receiver
 }
 
-/// Runs a child to its end, or to that of its time, seconds; what came of it where it did not end well. `heard` takes
-/// each line of JSON as it comes; others are shown.
+/// Runs a child, and kills it after `timeout` seconds; returns its failure if it did not end well. `heard` takes each
+/// line of JSON as it comes; other lines are shown.
 pub(super) fn watched<L: DeserializeOwned>(
     mut command: Command,
     timeout: f64,
@@ -80,7 +80,7 @@ pub(super) fn watched<L: DeserializeOwned>(
     if hung || told.is_err() {
         stop::kill();
     }
-    // One that has closed its output may still hang.
+    // A child that has closed its output may still hang.
     let status = stop::wait(end);
     told?;
     let said = match &err {

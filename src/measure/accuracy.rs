@@ -57,7 +57,7 @@ pub struct Model {
     pub plane: [Pair; 2],
     /// Transmittance of a slab of [`PATHS`] mean free paths under constant light.
     pub slab: Pair,
-    /// Light that leaves a ball of that radius under constant light.
+    /// Light that leaves a ball, with [`PATHS`] mean free paths as its radius, under constant light.
     pub constant: Pair,
     /// The same ball under collimated light: relative L2 difference between dipole and walk over its surface,
     /// with the walk's noise taken off.
@@ -77,7 +77,7 @@ pub fn models(preset: &Preset, device: Option<&Device>, effort: Effort) -> Resul
     let slabs = slab(&walks, PATHS, Lighting::Constant)?;
     let constants = ball_walk::constant(&walks, sizes)?;
     let curves = ball_walk::curves(&walks, sizes, dipoles.each_ref().map(Dipole::total))?;
-    let norm = |of: &dyn Fn(usize) -> f64| (0..ANGLES).map(|k| angle(k).sin() * of(k).powi(2)).sum::<f64>();
+    let norm = |value: &dyn Fn(usize) -> f64| (0..ANGLES).map(|k| angle(k).sin() * value(k).powi(2)).sum::<f64>();
     Ok([0, 1, 2].map(|c| {
         let (dipole, walked, by_dipole) = (&dipoles[c], &curves[c], ball::curve(&dipoles[c], sizes[c]));
         // On a sphere, points at chord length s to s + ds cover an area of 2 pi s ds, as in a plane, up to the

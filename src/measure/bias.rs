@@ -26,11 +26,11 @@ pub struct Bias {
     pub buffer: String,
     /// The field; empty for a buffer of plain numbers.
     pub field: String,
-    /// Number of values that differ; those that a stage leaves as they are do not water the mean down.
+    /// Number of values that differ: values that a stage leaves as they are would water the mean down.
     pub count: u64,
     /// Sum of their signed relative differences.
     pub sum: f64,
-    /// Sum of the squares of those.
+    /// Sum of the squares of their relative differences.
     pub squares: f64,
 }
 
@@ -63,7 +63,7 @@ impl Bias {
         (self.squares / count - self.mean().powi(2)).max(0.0).sqrt() / count.sqrt()
     }
 
-    /// Whether it is more than rounding and luck.
+    /// Whether the mean is more than rounding and luck.
     #[must_use]
     pub fn leans(&self) -> bool {
         self.count >= ENOUGH && self.mean().abs() > ALLOWED + LUCK * self.error()

@@ -1,5 +1,5 @@
-//! The random walk through plain bodies, one medium a channel, where light enters as evenly as asked: what leaves
-//! through each triangle.
+//! Random walks through plain bodies, one medium a channel: the light that leaves through each triangle, for given
+//! light that enters.
 
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ impl Medium {
         [0, 1, 2].map(|c| Self { scattering: preset.sigma_s_prime[c], absorption: preset.sigma_a[c], eta: preset.eta })
     }
 
-    /// The same in another unit of length.
+    /// The same medium in a unit of length `by` times as long.
     #[must_use]
     pub fn scaled(self, by: f64) -> Self {
         Self { scattering: self.scattering * by, absorption: self.absorption * by, eta: self.eta }
@@ -41,7 +41,7 @@ impl Medium {
         self.scattering / (self.scattering + self.absorption)
     }
 
-    /// The same in mean free paths.
+    /// The same medium with its mean free path as the unit of length.
     #[must_use]
     pub fn in_paths(self) -> Self {
         self.scaled(1.0 / (self.scattering + self.absorption))
@@ -75,11 +75,11 @@ pub struct Walks<'a> {
     pub media: [Medium; 3],
     /// Photons of each channel, at least 1.
     pub photons: u64,
-    /// Other numbers, other photons.
+    /// Seed of the photons.
     pub seed: u64,
 }
 
-/// What left a body, after one collision or more.
+/// The light that left a body after one collision or more.
 pub struct Left {
     /// Sum of the weights, and of their squares, that left through each triangle of the mesh, per channel; a photon
     /// enters with a weight of 1.
@@ -99,7 +99,7 @@ impl Left {
     }
 }
 
-/// A scene of one object in the place of which any mesh can be put.
+/// A scene of one object, whose mesh another one replaces.
 const BODY: &str = r#"
 unit = "mm"
 camera = { size = [1, 1] }
@@ -129,9 +129,10 @@ pub fn box_of(width: f64, height: f64) -> Mesh {
 }
 
 impl Walks<'_> {
-    /// What leaves this mesh, in mm as the media are, where `entering` is the light that enters a triangle per area.
+    /// The light that leaves this mesh, whose unit is that of the media; `entering` is the light that enters a triangle
+    /// per area.
     pub fn leave(&self, mesh: &Mesh, lighting: Lighting, entering: impl Fn(usize) -> f64) -> Result<Left> {
-        let list = |of: fn(&Medium) -> f64| format!("{:?}", self.media.each_ref().map(of));
+        let list = |value: fn(&Medium) -> f64| format!("{:?}", self.media.each_ref().map(value));
         let light = match lighting {
             Lighting::Collimated => "{ type = 'directional', direction = [0, 0, 1], irradiance = 1, shadows = false }",
             Lighting::Constant => "{ type = 'environment', radiance = 1 }",

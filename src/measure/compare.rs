@@ -9,7 +9,7 @@ use crate::state::{State, Tolerance};
 /// Upper bounds, in units in the last place, of all but the last bin of [`Comparison::histogram`].
 pub const BINS: [u64; 7] = [0, 1, 3, 7, 15, 255, 65_535];
 
-/// Distances beyond this, in units in the last place, want to be explained where they are within tolerance.
+/// Distances beyond this, in units in the last place, are explained where they are within tolerance.
 const FAR: u64 = 255;
 
 /// Differences between one buffer of the device and the reference's.
@@ -35,7 +35,7 @@ pub struct Comparison {
     pub worst: Option<String>,
     /// Where the failures are.
     pub places: String,
-    /// The float of the largest distance, and why it may be that far off: only where that is not for its own size.
+    /// The float of the largest distance, and why it may be that far off; none if its own size allows that.
     pub farthest: Option<String>,
 }
 
@@ -57,8 +57,8 @@ fn same(x: u32, y: u32, has_tolerance: impl FnOnce() -> bool) -> bool {
     x == y || (f32::from_bits(x).is_nan() && f32::from_bits(y).is_nan() && has_tolerance())
 }
 
-/// Compares one buffer of two states. Failures and relative differences cover the whole buffer; the word count and
-/// the distances in ulp only `part`, given as first element and number of elements.
+/// Compares one buffer of two states. Failures and relative differences cover the whole buffer; the word count, the
+/// biases and the distances in ulp only `part`, given as first element and number of elements.
 pub fn compare(
     slot: BufferId,
     reference: &State,

@@ -69,7 +69,7 @@ pub fn conform(device: &Device, fixture: &Fixture, plants: &[Plant]) -> Result<V
     compared(device, fixture, plants, &takes_part, &mut |_| {})
 }
 
-/// The same for some stages only; the other stages run on the reference alone.
+/// Like [`conform`], for some stages only; the other stages run on the reference alone.
 pub fn conform_stages(device: &Device, fixture: &Fixture, stages: &[String]) -> Result<Vec<Row>> {
     compared(device, fixture, &[], &|stage| stages.iter().any(|name| name == stage), &mut |_| {})
 }
@@ -82,7 +82,7 @@ pub enum Event<'a> {
     Ends(&'a mut Row),
 }
 
-/// The same for these stages, or all where there are none; tells what happens as it does.
+/// Like [`conform_stages`], or for all stages if none is given; tells each event when it happens.
 pub fn conform_told(
     device: &Device,
     fixture: &Fixture,
@@ -113,7 +113,7 @@ fn compared(
         }
         told(Event::Begins(step.stage.name));
         let start = Instant::now();
-        for mut row in pair.one(*step, &fixture.name, plants)? {
+        for mut row in pair.step(*step, &fixture.name, plants)? {
             row.seconds = start.elapsed().as_secs_f64();
             row.failed = (!row.faults.is_empty()).then_some(index);
             match rows.iter_mut().find(|known| known.stage == row.stage) {
@@ -144,7 +144,7 @@ fn compared(
     Ok(rows)
 }
 
-/// What a hash begins with.
+/// The hash of no bytes.
 const SEED: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// A hash of these bytes after others: FNV-1a over words.
@@ -163,7 +163,7 @@ pub(super) fn poison(state: &mut State, step: Step) {
             bytemuck::cast_slice_mut::<u8, u32>(bytes).fill(POISON);
         }
     }
-    // These overwrite their object's positions among those of all objects, but declare an update: others' stay.
+    // These stages overwrite their object's positions, but declare an update, since those of other objects stay.
     let places = match step.stage {
         stage if stage.is(&deform::STAGE) => &mut state.data.positions,
         stage if stage.is(&placement::STAGE) => &mut state.data.placed_positions,
@@ -192,7 +192,7 @@ impl Pair {
     }
 
     /// Runs one step on both sides and returns the findings: one row, or one per error planted in this stage.
-    fn one(&mut self, step: Step, name: &str, plants: &[Plant]) -> Result<Vec<Row>> {
+    fn step(&mut self, step: Step, name: &str, plants: &[Plant]) -> Result<Vec<Row>> {
         let written: Vec<BufferId> = step.stage.writes.iter().map(|(slot, _, _)| *slot).collect();
         poison(&mut self.reference, step);
         let size = |state: &State, slot: &BufferId| state.data.bytes(*slot).len();

@@ -29,11 +29,11 @@ pub fn read(path: &Path) -> Result<Vec<(String, Option<usize>, Given)>> {
             let fault = Input { line, ..Input::new("not the table of a kernel").file(path).key(kernel) };
             return Err(fault.found(constants).expected("[\"transport/blocks/push\"], for example").into());
         };
-        let of = |(name, value): (String, Value)| {
+        let with_line = |(name, value): (String, Value)| {
             let line = line_of(&text, &format!("{kernel}.{name}"));
             (name, line, value)
         };
-        let values = constants.into_iter().map(of).collect();
+        let values = constants.into_iter().map(with_line).collect();
         kernels.push((kernel, line, Given { file: path.to_path_buf(), values }));
     }
     Ok(kernels)

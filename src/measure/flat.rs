@@ -16,13 +16,13 @@ pub struct Flat {
     pub through: Estimate,
 }
 
-/// Width of the boxes that stand for slabs, mean free paths: light that leaves through their sides is a thousandth.
+/// Width of the boxes that stand for slabs, mean free paths: about a thousandth of the light leaves by their sides.
 const WIDTH: f64 = 4000.0;
-/// Depth of a half-space, in lengths over which diffuse light fades by e, and its least and largest, mean free paths.
-/// What leaves below had as good left above.
+/// Depth of a box that stands for a half-space, in lengths over which diffuse light fades by e; then its least and its
+/// largest value, mean free paths. Light that leaves below counts as if it left above.
 const DEPTH: (f64, f64, f64) = (6.0, 20.0, 150.0);
 
-/// What leaves a slab of so many mean free paths of each channel; infinity is a half-space.
+/// The light that leaves a slab which is `paths` mean free paths of each channel thick; infinity is a half-space.
 pub fn slab(walks: &Walks<'_>, paths: f64, lighting: Lighting) -> Result<[Flat; 3]> {
     let media = walks.media.map(|medium| medium.in_paths());
     let fades = media.map(|medium| (3.0 * (1.0 - medium.albedo()).max(1e-9)).sqrt().recip());

@@ -1,6 +1,6 @@
-//! The output folder of a report, or of a case to replay. It must be new or empty, or hold an earlier one; files of the
+//! The output folder of a report, a gallery or a case. It must be new or empty, or hold an earlier one; files of the
 //! same names are replaced, the page last, and all others are left alone. Everything is first written to a temporary
-//! folder: a file appears whole or not at all, and what is filled at once is left as it was by a run that fails.
+//! folder: a file appears whole or not at all, and a run that fails before [`Folder::fill`] changes nothing.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,9 +13,9 @@ use crate::view::atomic_file::Part;
 pub struct Kind {
     /// The name of the file that is written last: the page.
     pub page: &'static str,
-    /// Identifies an earlier one; must be among the page's first bytes.
+    /// Identifies an earlier one; must be among the page's first 600 bytes.
     pub mark: &'static str,
-    /// What it is called.
+    /// Its name in messages.
     pub called: &'static str,
 }
 

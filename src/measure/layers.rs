@@ -31,12 +31,12 @@ const SEED: u64 = 2006;
 /// A pixel is lit from the front where the lights that reach its triangle give all but this share of its light.
 const BEHIND: f64 = 0.01;
 
-/// Which pixels errors are measured at.
+/// The pixels at which errors are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Looks {
     /// Picture sizes, pixels. Times are measured at the first.
     pub sizes: [[u32; 2]; 2],
-    /// Most pixels sampled of each, of those that show an object with layers.
+    /// Most pixels sampled in a picture, among those that show an object with layers.
     pub pixels: usize,
 }
 
@@ -168,12 +168,12 @@ pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat:
         let turn = std::f64::consts::TAU * f64::from(k) / f64::from(count);
         Light::point(middle + radius * DVec3::new(turn.cos(), 0.5, turn.sin()), [radius * radius / f64::from(count); 3])
     };
-    let of = |&count: &u32| {
+    let opened = |&count: &u32| {
         let mut scene = bare(scene);
         scene.lights = (0..count).map(|k| Light { shadows: false, ..light(k, count) }).collect();
         session(&scene, device)
     };
-    let mut sessions = counts.iter().map(of).collect::<Result<Vec<_>>>()?;
+    let mut sessions = counts.iter().map(opened).collect::<Result<Vec<_>>>()?;
     let mut least = vec![f64::INFINITY; counts.len()];
     for _ in 0..repeat.max(1) {
         for (session, least) in sessions.iter_mut().zip(&mut least) {
@@ -184,8 +184,8 @@ pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat:
     Ok(counts.iter().copied().zip(least).collect())
 }
 
-/// The time of each number of lights over that number, the longest over that of the first: at most 1 where a light
-/// never costs more for there being others.
+/// The longest time per light, over the time per light of the first count: 1 if no light costs more because there are
+/// others.
 #[must_use]
 pub fn dearer(times: &[(u32, f64)]) -> f64 {
     let each = || times.iter().map(|&(n, time)| time / f64::from(n));
@@ -198,7 +198,7 @@ pub struct Approximations {
     /// Relative L2 error against the layered volume, with a name: of each approximation of the march on its own, of all
     /// together, and of the converged march, which makes all of them.
     pub errors: Vec<(&'static str, Interval)>,
-    /// The last of these over the pixels that are lit from the front.
+    /// The error of the converged march over the pixels that are lit from the front.
     pub front: Interval,
     /// Share of the volume's light at the sampled pixels that is due to lights that do not reach the visible triangle,
     /// 0 to 1: it comes through thin parts, from behind.
@@ -233,11 +233,11 @@ fn approximations_of(scene: &Scene, pixels: usize) -> Result<Approximations> {
     let light = |pixel: &[f64; 3]| pixel.iter().sum::<f64>();
     let in_front = |k: &usize| light(&shadowed[*k]) >= (1.0 - BEHIND) * light(&truth[*k]);
     let front: Vec<usize> = (0..pixels.len()).filter(in_front).collect();
-    let of = |values: &[[f64; 3]]| front.iter().map(|&k| values[k]).collect::<Vec<_>>();
+    let at_front = |values: &[[f64; 3]]| front.iter().map(|&k| values[k]).collect::<Vec<_>>();
     let all: f64 = truth.iter().map(light).sum();
     Ok(Approximations {
         errors,
-        front: l2(&of(&march), &of(&truth)),
+        front: l2(&at_front(&march), &at_front(&truth)),
         behind: 1.0 - shadowed.iter().map(light).sum::<f64>() / all.max(1e-300),
         pixels: [pixels.len(), front.len()],
     })

@@ -11,8 +11,8 @@ pub fn of_stage<'a>(rows: impl IntoIterator<Item = &'a Row>, stage: &str) -> Vec
     sums
 }
 
-/// Adds a fault to each row whose values lean to one side, and to the last row of each stage whose values do so over
-/// all rows of a device only.
+/// Adds a fault to each row whose values lean to one side. If none of a stage's rows does so, but all of them together,
+/// its last row gets the fault. All rows are of one device.
 pub fn blame(rows: &mut [Row]) {
     let leaning = |biases: &[Bias], place: &str| -> Vec<String> {
         biases.iter().filter(|bias| bias.leans()).map(|bias| bias.fault(place)).collect()

@@ -60,8 +60,8 @@ const SEEN: [&Stage; 7] = [
 const BLURS: usize = 20;
 
 /// The paper's techniques on a scene, in the order of its table. They are timed alternately over `frames` rounds, so
-/// that other load on the machine affects all alike; the texture blur in fewer rounds. It is left out without
-/// one-to-one texture coordinates (`transport.unwrap`).
+/// that other load on the machine affects all alike; the texture blur in fewer rounds. The texture blur is left out
+/// without one-to-one texture coordinates (`transport.unwrap`).
 pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<Vec<Row>> {
     let scene = &bare(scene);
     let carried = picture(scene, device, Options::default())?;
@@ -105,7 +105,7 @@ pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
         let steps = session.frame(Change::VIEW.and(Change::LIGHT))?;
         wholes.push(steps.iter().map(|step| step.milliseconds).sum::<f64>());
     }
-    let middle = |k: usize, of: usize| median(times[k].iter().map(|time| time[of]).collect());
+    let middle = |k: usize, column: usize| median(times[k].iter().map(|time| time[column]).collect());
     let row = |(k, (technique, _)): (usize, &(&'static str, Session))| Row {
         technique,
         shading: middle(k, 0),

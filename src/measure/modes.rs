@@ -57,10 +57,10 @@ pub struct Row {
     pub milliseconds: f64,
     /// Median time of the change and the frame by the host's clock, milliseconds.
     pub wall: f64,
-    /// The first of these times over that of the scheme's first measured row: on-the-fly after a change of shape,
-    /// unless filtered out.
+    /// `milliseconds` over that of the scheme's first measured row: on-the-fly after a change of shape, unless filtered
+    /// out.
     pub ratio: f64,
-    /// The same of the second.
+    /// `wall` over that of the same row.
     pub wall_ratio: f64,
     /// Entries of all lists.
     pub links: u64,
@@ -71,7 +71,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// A row each.
+    /// A table with a line for each row.
     #[must_use]
     pub fn table(rows: &[Self]) -> Table {
         // An empty sum of floats is -0.
@@ -90,7 +90,7 @@ impl Row {
                     &|row| format!("{:.2}", row.ratio),
                 ),
                 ("wall", "median time of the edit and the frame by the host's clock", &|row| ms(row.wall)),
-                ("wall of scratch", "the same of that", &|row| format!("{:.2}", row.wall_ratio)),
+                ("wall of scratch", "the same ratio of wall times", &|row| format!("{:.2}", row.wall_ratio)),
                 ("links", "entries of all lists", &|row| row.links.to_string()),
                 ("form factors", "form factors that the last frame computed", &|row| row.factors.to_string()),
                 ("L2", "relative L2 error of the radiosity, worst channel", &|row| format!("{:.1e}", row.error)),
@@ -161,7 +161,7 @@ pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -
                 if !only.split_whitespace().all(|word| [called, mode, what.name()].contains(&word)) {
                     continue;
                 }
-                let mut row = one(device, &scene, (kind, what), frames)?;
+                let mut row = measure(device, &scene, (kind, what), frames)?;
                 let [stages, wall] = *scratch.get_or_insert([row.milliseconds, row.wall]);
                 (row.scheme, row.mode) = (called, mode);
                 (row.ratio, row.wall_ratio) = (row.milliseconds / stages, row.wall / wall);
@@ -173,7 +173,7 @@ pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -
 }
 
 /// One row; the caller fills in scheme, mode and ratio.
-fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frames: usize) -> Result<Row> {
+fn measure(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frames: usize) -> Result<Row> {
     let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(&moved(scene, what, 0), device, options)?;
     session.frame(Change::EVERYTHING)?;

@@ -60,8 +60,8 @@ pub(super) fn percentile(sorted: &[[f64; 2]], share: f64) -> f64 {
 /// The largest of each norm over the channels; NaN if any is NaN.
 pub fn worst(norms: &[Norms; 3]) -> Norms {
     let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
-    let of = |f: fn(&Norms) -> f64| norms.iter().map(f).fold(0.0, larger);
-    Norms { l2: of(|n| n.l2), p99: of(|n| n.p99), max: of(|n| n.max) }
+    let largest = |norm: fn(&Norms) -> f64| norms.iter().map(norm).fold(0.0, larger);
+    Norms { l2: largest(|n| n.l2), p99: largest(|n| n.p99), max: largest(|n| n.max) }
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! What a device takes for anything at all: a dispatch that does nothing, a barrier, a submission.
+//! The least times that a device takes: for a dispatch that does nothing, a barrier, a submission.
 //!
 //! Ladders of empty dispatches of several lengths are timed in random order, some with a barrier before each dispatch
-//! but the first, some without. The slope over the lengths is the cost of one more dispatch, and what a ladder with
-//! barriers has beyond that is the cost of a barrier: what a ladder of any length costs drops out. Each round gives one
-//! slope, and the median over the rounds has an interval.
+//! but the first, some without. The slope over the lengths is the cost of one more dispatch, and the excess slope of
+//! ladders with barriers is the cost of a barrier: costs that do not depend on the length drop out. Each round gives
+//! one slope of each kind, and the median over the rounds has an interval.
 
 use std::time::Instant;
 

@@ -61,7 +61,7 @@ pub fn pattern(wrong: &[usize], layout: &[Word], part: (usize, usize)) -> String
     text
 }
 
-/// A map of so many cells: `#` where all elements of a cell are wrong, `+` where some are, `.` where none is.
+/// A map of `cells` cells: `#` where all elements of a cell are wrong, `+` where some are, `.` where none is.
 fn map(wrong: &[usize], all: usize, cells: usize, cell: impl Fn(usize) -> usize) -> String {
     let (mut counts, mut sizes) = (vec![0usize; cells], vec![0usize; cells]);
     wrong.iter().for_each(|&element| counts[cell(element)] += 1);

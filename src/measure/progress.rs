@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 pub trait Observer: Send + Sync {
     /// Work of this many steps begins.
     fn begin(&self, steps: usize);
-    /// The next step is this.
+    /// The next step begins; `message` names it.
     fn says(&self, message: &str);
     /// One step is done. Called from any thread.
     fn step(&self);
@@ -34,7 +34,7 @@ impl Progress {
         Self(observer)
     }
 
-    /// The next step is this.
+    /// The next step begins; `message` names it.
     pub(crate) fn says(&self, message: &str) {
         if let Some(observer) = self.0 {
             observer.says(message);

@@ -168,8 +168,7 @@ impl Emitter {
     }
 }
 
-/// What a frame found at these faces of an object: its radiosity or, where an equation was solved, what the solution
-/// makes of it.
+/// A frame's result at these faces of an object: its radiosity or, if an equation was solved, the equation's left side.
 fn found(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     match state.objects[0].solves() {
         true => sums::applied(state, faces),
@@ -177,7 +176,7 @@ fn found(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     }
 }
 
-/// What it should have found.
+/// The exact result: the radiosity or, if an equation is to be solved, the equation's right side.
 fn wanted(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     if state.objects[0].solves() { sums::source(state, faces) } else { alone(state, faces) }
 }
@@ -188,12 +187,12 @@ pub struct Checked {
     pub norms: [Norms; 3],
     /// The quality of the error estimate, if there is one and no equation was solved.
     pub estimate: Option<Quality>,
-    /// Where an equation was solved: the L2 of the estimate of the radiosity's error, per channel, relative to it.
+    /// If an equation was solved: the L2 of the radiosity's estimated error over that of the radiosity, per channel.
     pub bound: Option<[f64; 3]>,
 }
 
-/// Error norms of a session's last frame at `count` seeded receivers, and the quality of its error estimate. Of
-/// diffusion, which solves an equation, the norms of what is left of that.
+/// Error norms of a session's last frame at `count` seeded receivers, and the quality of its error estimate. For
+/// diffusion, which solves an equation, the norms are those of the residual.
 pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> {
     session.sharpen()?;
     session.fetch(&[BufferId::irradiance, BufferId::radiosity, BufferId::clusters, BufferId::estimate])?;
@@ -207,7 +206,7 @@ pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> 
     let sample = receivers(state, count, seed);
     let faces = &sample.faces;
     let (values, mut reference) = (by_object(state, faces, found), by_object(state, faces, wanted));
-    // What a long triangle's centroid has is not what the triangle has.
+    // The centroid of a long triangle does not stand for all of it: the reference is the mean over the triangle.
     let long = session.left_long();
     let known: Vec<usize> = (0..faces.len()).filter(|&k| long.get(faces[k]) == Some(&true)).collect();
     if !state.method.solves() && !known.is_empty() {
@@ -220,8 +219,8 @@ pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> 
     };
     let solves = state.method.solves();
     let bound = (solves && state.method.estimate).then(|| {
-        let sum = |of: &dyn Fn(usize) -> f64| -> f64 {
-            sample.counts.iter().zip(0..).map(|(count, k)| count * of(k).powi(2)).sum()
+        let sum = |value: &dyn Fn(usize) -> f64| -> f64 {
+            sample.counts.iter().zip(0..).map(|(count, k)| count * value(k).powi(2)).sum()
         };
         [0, 1, 2].map(|c| {
             let whole = sum(&|k| f64::from(data.radiosity[faces[k]][c]));

@@ -13,7 +13,7 @@ pub fn field_of(path: &str) -> &str {
 pub struct Rules<'a> {
     layout: Vec<Word>,
     words: &'a [u32],
-    /// Of each word of an element; none where it must agree bit for bit.
+    /// The rule of each word of an element; none if the word must agree bit for bit.
     rules: Vec<Option<Rule>>,
     /// What rounding explains, element by element, for these fields.
     rounding: Option<(&'static Rounding, Vec<f64>)>,
@@ -38,7 +38,7 @@ pub struct Allowed {
 }
 
 impl Allowed {
-    /// What allows the most, in words, where it is not a share of the value itself.
+    /// What allows the most, in words; none if that is the share of the value itself.
     #[must_use]
     pub fn beside_its_share(&self) -> Option<String> {
         let most = self.most?;
@@ -109,12 +109,12 @@ fn rules(layout: &[Word], reference: &[u32], tolerance: Tolerance) -> Vec<Option
             words.map(|k| Some(rule(k))).collect()
         }
         Tolerance::Fields(fields) | Tolerance::Rounded(fields, _) => {
-            let of = |name: &str| words.clone().find(|&j| !name.is_empty() && group(j) == name);
+            let index = |name: &str| words.clone().find(|&j| !name.is_empty() && group(j) == name);
             let field = |k: usize| fields.iter().find(|field| field.name == group(k) || field.name == layout[k].path);
             let rule = |field: &Field| Rule {
                 relative: f64::from(field.relative),
                 floor: f64::from(field.floor),
-                of: of(field.of),
+                of: index(field.of),
             };
             words.clone().map(|k| field(k).map(rule)).collect()
         }

@@ -52,11 +52,11 @@ fn wanted(areas: &[f64], light: &[[f64; 3]]) -> Vec<f64> {
     let share = |total: f64, value: f64| if total > 0.0 && total.is_finite() { value / total } else { 0.0 };
     let whole: f64 = areas.iter().sum();
     let powers = [0, 1, 2].map(|c| (0..areas.len()).map(|face| power(face, c)).sum::<f64>());
-    let one = |face: usize| {
+    let weight = |face: usize| {
         let lit: f64 = (0..3).map(|c| share(powers[c], power(face, c))).sum();
         0.25 / areas.len() as f64 + 0.25 * share(whole, areas[face]) + lit / 6.0
     };
-    (0..areas.len()).map(one).collect()
+    (0..areas.len()).map(weight).collect()
 }
 
 /// Selection probabilities proportional to the weights, at most 1 each, with sum `count`.
@@ -79,12 +79,12 @@ mod tests {
 
     #[test]
     fn it_is_seeded_and_has_no_repeats() {
-        let one = |count, seed| Sample::seeded(&[1.0; 1000], &[], count, seed);
-        assert_eq!(one(100, 7), one(100, 7));
-        assert_ne!(one(100, 7).faces, one(100, 8).faces);
-        let faces = one(100, 7).faces;
+        let sampled = |count, seed| Sample::seeded(&[1.0; 1000], &[], count, seed);
+        assert_eq!(sampled(100, 7), sampled(100, 7));
+        assert_ne!(sampled(100, 7).faces, sampled(100, 8).faces);
+        let faces = sampled(100, 7).faces;
         assert!(faces.windows(2).all(|w| w[0] < w[1]) && (99..=101).contains(&faces.len()));
-        let all = one(5000, 7);
+        let all = sampled(5000, 7);
         assert!(all.faces == (0..1000).collect::<Vec<_>>() && all.areas == [1.0; 1000] && all.counts == [1.0; 1000]);
         assert_eq!(Sample::seeded(&[], &[], 10, 1), Sample::default());
     }

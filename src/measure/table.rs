@@ -1,9 +1,9 @@
-//! What a measurement found, as a table; text, CSV and HTML are ways to write it.
+//! The result of a measurement as a table; text, CSV and HTML are ways to write it.
 
 use crate::error::{Error, Result};
 
-/// A column: its heading, what its values mean, with their unit, and its cell of a row. An empty meaning is for a
-/// heading that says all.
+/// A column: its heading, what its values mean, with their unit, and its cell of a row. The meaning is empty if the
+/// heading needs no explanation.
 pub type Column<'a, R> = (&'a str, &'a str, &'a dyn Fn(&R) -> String);
 
 /// A table.
@@ -34,7 +34,7 @@ impl Table {
         Self { columns: columns.into_iter().map(|(head, meaning)| [head, meaning].map(String::from)).collect(), rows }
     }
 
-    /// A table whose headings say all.
+    /// A table whose headings need no explanation.
     pub fn plain<'a>(heads: impl IntoIterator<Item = &'a str>, rows: Vec<Vec<String>>) -> Self {
         Self::new(heads.into_iter().map(|head| (head, "")), rows)
     }

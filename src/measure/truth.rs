@@ -12,7 +12,7 @@ use crate::session::patches::patches;
 use crate::session::run::Session;
 use crate::session::walk::WalkControl;
 
-/// What a walk found on a patch.
+/// A walk's result on a patch.
 #[derive(Clone, Debug)]
 struct Patch {
     /// Its triangles, numbered through all meshes.
@@ -21,7 +21,7 @@ struct Patch {
     area: f64,
     /// Mean radiosity, in the scene's units, per channel.
     mean: [f64; 3],
-    /// Its variance.
+    /// The variance of that mean, per channel.
     variance: [f64; 3],
 }
 
@@ -31,7 +31,7 @@ pub struct Truth {
     patches: Vec<Patch>,
     /// Area of each triangle.
     areas: Vec<f64>,
-    /// Where it comes from, in words.
+    /// Where the radiosity comes from, in words.
     pub about: String,
 }
 
@@ -79,7 +79,7 @@ impl Truth {
         Self::of_session(&mut session)
     }
 
-    /// What a session's last frame found, whose transport is a walk.
+    /// The result of the last frame of a session whose transport is a walk.
     pub fn of_session(session: &mut Session) -> Result<Self> {
         let photons: u64 = session.walk_reports().iter().map(|report| u64::from(report.photons)).sum();
         let rows: Vec<Row> = session
@@ -156,8 +156,8 @@ impl Truth {
             for part in patches(session.state(), number) {
                 let faces: Vec<usize> = of_place[part].iter().flatten().copied().collect();
                 let area: f64 = faces.iter().map(|&face| rows[face].area).sum();
-                let mean = |of: &dyn Fn(&Row) -> f64, by: f64| {
-                    if by > 0.0 { faces.iter().map(|&face| of(&rows[face])).sum::<f64>() / by } else { 0.0 }
+                let mean = |value: &dyn Fn(&Row) -> f64, by: f64| {
+                    if by > 0.0 { faces.iter().map(|&face| value(&rows[face])).sum::<f64>() / by } else { 0.0 }
                 };
                 all.push(Patch {
                     area,
@@ -190,7 +190,7 @@ impl Truth {
     }
 }
 
-/// What a walk found at a triangle: its area, radiosity and standard error.
+/// A walk's result at a triangle: area, radiosity and standard error.
 struct Row {
     area: f64,
     value: [f64; 3],

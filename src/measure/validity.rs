@@ -53,13 +53,13 @@ pub struct Share {
     pub area: f64,
 }
 
-/// Radiosity by both methods at every triangle of translucent objects.
+/// Radiosity by the dipole, the CDRF and Lambert's cosine at every triangle of translucent objects.
 pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
     let mut scene = scene.clone();
     (scene.transport.receivers, scene.transport.subdivide) = (Receivers::Faces, 0);
     scene.transport.divided = true;
     scene.camera.size = [1, 1];
-    // Textures are removed: only one of the two methods applies them where light enters.
+    // Textures are removed: only one of dipole and CDRF applies them where light enters.
     let clear = scene.objects.iter_mut().filter(|object| object.material.opaque.is_none());
     clear.for_each(|object| object.material.texture = None);
     let solve = Options { goal: Goal::Radiosity, ..Options::default() };
@@ -108,7 +108,7 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
 fn at(state: &State, number: usize, face: usize) -> [DVec3; 5] {
     let (data, params) = (&state.data, &state.data.object_params[number]);
     let corners = data.triangles[face].map(|v| v as usize);
-    let mean = |of: &dyn Fn(usize) -> DVec3| corners.iter().map(|&v| of(v)).sum::<DVec3>() / 3.0;
+    let mean = |value: &dyn Fn(usize) -> DVec3| corners.iter().map(|&v| value(v)).sum::<DVec3>() / 3.0;
     let point = mean(&|v| wide(data.in_scene()[v]));
     let normal = mean(&|v| wide(data.normals_in_scene()[v])).normalize_or_zero();
     let bend = corners.iter().map(|&v| f64::from(kappa(data, v))).sum::<f64>() / 3.0;
@@ -127,18 +127,18 @@ fn at(state: &State, number: usize, face: usize) -> [DVec3; 5] {
     [wide(params.diffuse) * light[0], wide(params.diffuse) * light[1], sigma, spread, DVec3::splat(thickness)]
 }
 
-/// The error of the CDRF over the places that `of` selects.
-pub fn share(places: &[Place], of: impl Fn(&Place) -> bool) -> Share {
-    share_by(places, |place| place.cdrf, of)
+/// The error of the CDRF over the places for which `selects` holds.
+pub fn share(places: &[Place], selects: impl Fn(&Place) -> bool) -> Share {
+    share_by(places, |place| place.cdrf, selects)
 }
 
-/// The same for Lambert's cosine.
-pub fn lambert_share(places: &[Place], of: impl Fn(&Place) -> bool) -> Share {
-    share_by(places, |place| place.lambert, of)
+/// The error of Lambert's cosine over the places for which `selects` holds.
+pub fn lambert_share(places: &[Place], selects: impl Fn(&Place) -> bool) -> Share {
+    share_by(places, |place| place.lambert, selects)
 }
 
-fn share_by(places: &[Place], value: impl Fn(&Place) -> f64, of: impl Fn(&Place) -> bool) -> Share {
-    let sum = |f: &dyn Fn(&Place) -> f64| places.iter().filter(|place| of(place)).map(f).sum::<f64>();
+fn share_by(places: &[Place], value: impl Fn(&Place) -> f64, selects: impl Fn(&Place) -> bool) -> Share {
+    let sum = |f: &dyn Fn(&Place) -> f64| places.iter().filter(|place| selects(place)).map(f).sum::<f64>();
     let whole: f64 = places.iter().map(|place| place.area).sum();
     let squares = sum(&|p| p.area * (value(p) - p.dipole).powi(2));
     let light = sum(&|p| p.area * p.dipole.powi(2));

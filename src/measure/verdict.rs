@@ -4,13 +4,13 @@ use super::probe::FIXTURE;
 use super::results::{DeviceFacts, Outcome, Verdict, system};
 use crate::pipeline::frame::{owner, stage};
 
-/// The commit that a program was built from, in its name.
+/// The commit that a program was built from, as words after its version; empty if it is not known.
 #[must_use]
 pub fn commit(commit: Option<&str>) -> String {
     commit.map_or_else(String::new, |commit| format!(" of commit {commit}"))
 }
 
-/// Which validation layer watched.
+/// The version of the validation layer that watched, or that there was none.
 #[must_use]
 pub fn watched(layer: Option<&str>) -> String {
     layer.map_or_else(|| "no validation layer".into(), |version| format!("validation layer {version}"))

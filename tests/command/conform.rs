@@ -228,7 +228,7 @@ fn changes_are_shown_though_within_tolerance() {
     for words in [" (0x", "(version 0x", "\non ", "; no validation layer\n"] {
         assert!(told.contains(words), "{words}: {told}");
     }
-    assert_eq!(out, "nothing that both have has changed\nonly in the first: 1 (of sphere with holes)\n");
+    assert_eq!(out, "no comparison that both have has changed\nonly in the first: 1 (of sphere with holes)\n");
     std::fs::write(here.path().join("bad.json"), "{\"run\":{}}").unwrap();
     bad(&here, "compare sound.json bad.json", 2, &["bad.json:1", "missing field"]);
     bad(&here, "compare sound.json none.json", 2, &["none.json", "could not be read"]);

@@ -94,7 +94,7 @@ fn another_build_is_timed_in_turn() {
         std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).unwrap();
         for program in ["./not.sh", "/bin/true"] {
             let line = format!("profile {SMALL} --device cpu --against {program}");
-            bad(&here, &line, 2, &["--against", "has no `profile --rounds`", program]);
+            bad(&here, &line, 2, &["--against", "has no `profile --serve`", program]);
         }
     }
     // What both builds refuse is said once, in their words.

@@ -34,11 +34,11 @@ pub(super) fn run(
         for device in open {
             match (arguments.unfinished, &arguments.dump) {
                 (Some(step), Some(folder)) => unfinished::steps(arguments, folder, (device, &fixture), step)?,
-                _ => one(arguments, device, &fixture, sink)?,
+                _ => compare(arguments, device, &fixture, sink)?,
             }
         }
     }
-    // A child sees one fixture, and a part some of them: not every kernel is run there.
+    // A child runs one fixture, and a shard some of them: neither need run every kernel.
     match kernels.iter().find(|(name, _)| !run.contains(name)) {
         Some((name, _)) if !arguments.child && arguments.shard.is_none() => {
             let what = match choices {
@@ -52,8 +52,8 @@ pub(super) fn run(
     }
 }
 
-/// All stages of a fixture on a device, or those that were asked for, or those of replaced kernels.
-fn one(arguments: &Arguments, device: &Device, fixture: &Fixture, sink: &mut Sink) -> Result<()> {
+/// Compares all stages of a fixture on a device, or only those of replaced kernels and those that were asked for.
+fn compare(arguments: &Arguments, device: &Device, fixture: &Fixture, sink: &mut Sink) -> Result<()> {
     let mut stages = replace::stages(device);
     stages.extend(arguments.stage.iter().cloned());
     let (adapter, mut now) = (device.adapter(), "");

@@ -61,7 +61,7 @@ pub struct Arguments {
     /// to a folder of this folder: see `milkglass replay`.
     #[arg(long, value_name = "FOLDER")]
     pub(super) dump: Option<PathBuf>,
-    /// In these folders leave out groups that do not fail, and the ends of buffers that nothing reaches.
+    /// In the folders of --dump leave out groups that do not fail, and the ends of buffers that nothing reaches.
     #[arg(long, requires = "dump")]
     pub(super) minimize: bool,
     /// Write all results to this file at the end.
@@ -76,7 +76,7 @@ pub struct Arguments {
     /// Run each fixture in a process of its own: a hang or a crash becomes a verdict, and the run goes on.
     #[arg(long)]
     pub(super) isolate: bool,
-    /// How long such a process may take, seconds.
+    /// How long a process of --isolate may take, seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = crate::cli::watch::seconds)]
     pub(super) timeout: f64,
     /// Failures that are known, as TOML; they do not fail the run, and those that are gone do.
@@ -88,11 +88,11 @@ pub struct Arguments {
     /// Write lines of JSON to standard output and nothing else: for the process that has started this one.
     #[arg(long, hide = true)]
     pub(super) child: bool,
-    /// Compare nothing, only probe the device: for such a process.
+    /// Compare nothing, only probe the device: for a process that this program starts.
     #[arg(long, hide = true, requires = "child")]
     pub(super) probe_only: bool,
     /// Compare nothing, only run this step of the stage, counted from 0, and write the case of each dispatch to a
-    /// folder of --dump before it runs: for such a process.
+    /// folder of --dump before it runs: for a process that this program starts.
     #[arg(long, hide = true, requires = "child")]
     pub(super) unfinished: Option<usize>,
 }
@@ -111,16 +111,16 @@ pub(super) fn again(arguments: &Arguments, device: &str, fixture: &str, stage: &
     }
     let validation = if arguments.no_validation { " --no-validation" } else { "" };
     let stage = if stage.is_empty() { String::new() } else { format!(" --stage {stage}") };
-    let (fixture, device, own) = (quoted(fixture), quoted(device), arguments.replace.again());
-    format!("milkglass conform --fixture {fixture} --device {device}{stage}{own}{validation}")
+    let (fixture, device, replaced) = (quoted(fixture), quoted(device), arguments.replace.again());
+    format!("milkglass conform --fixture {fixture} --device {device}{stage}{replaced}{validation}")
 }
 
-/// The same of an outcome.
+/// The command that repeats the comparison of an outcome.
 pub(super) fn repeating(arguments: &Arguments, outcome: &Outcome) -> String {
     again(arguments, &outcome.device, &outcome.fixture, &outcome.stage)
 }
 
-/// The outcome of a comparison that did not come to its end.
+/// The outcome of a comparison that did not end.
 pub(super) fn failure(
     arguments: &Arguments,
     adapter: &Adapter,

@@ -19,7 +19,7 @@ pub(super) fn command(arguments: &Arguments, device: usize) -> Result<Command> {
     Ok(command)
 }
 
-/// What is compared, as arguments: these stages, and where what differs goes.
+/// Adds what to compare as arguments: the fixture or scene, these stages, and the folder for dumps.
 pub(super) fn compares(
     command: &mut Command,
     arguments: &Arguments,

@@ -8,7 +8,7 @@ use milkglass::internals::session::run::CapacityHints;
 use milkglass::measure::fixtures::{Fixture, fixture, fixtures, names};
 use milkglass::scene::Scene;
 
-/// What is compared on.
+/// A fixture or a scene to compare on.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Choice {
     /// A built-in fixture.
@@ -24,7 +24,7 @@ impl Choice {
         name
     }
 
-    /// Builds it.
+    /// Builds its fixture.
     pub(super) fn make(&self, arguments: &Arguments) -> Result<Fixture> {
         let Self::Scene(name) = self else { return fixture(self.name()) };
         let sets = arguments.option_args.of(&arguments.sets);
@@ -67,7 +67,7 @@ pub(super) fn chosen(arguments: &Arguments) -> Result<Vec<Choice>> {
         };
     }
     let Some((part, parts)) = arguments.shard.as_deref().map(shard).transpose()? else { return Ok(list) };
-    // Neighbours take alike long, so each part gets some of them.
+    // Neighbours take about the same time, so they go to different parts.
     Ok(list.into_iter().enumerate().filter(|(index, _)| index % parts == part).map(|(_, choice)| choice).collect())
 }
 

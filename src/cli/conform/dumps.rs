@@ -1,4 +1,4 @@
-//! `--dump`: what differs, as files that repeat it elsewhere.
+//! `--dump`: a comparison that fails, as files that repeat it elsewhere.
 
 use std::path::Path;
 
@@ -11,14 +11,14 @@ use milkglass::measure::repro::trace::{case, first_step};
 
 /// Writes a folder for this row, and says what it holds.
 pub(super) fn write((folder, least): (&Path, bool), fixture: &Fixture, device: &Device, row: &Row) -> Result<()> {
-    // Where only the mean is off, no step is beyond tolerance: the first one.
+    // Where only the mean is off, no step is beyond tolerance: take the first one.
     let step = row.failed.map_or_else(|| first_step(fixture, row.stage, device), |step| Ok(Some(step)))?;
     let Some(case) = step.map(|step| case(device, fixture, step)).transpose()?.flatten() else { return Ok(()) };
     made(folder)?;
     let own = folder.join(name(row.stage, &row.fixture, device.name()));
     tell!("{}", written(&case, device, &own, "--dump", least)?.trim_end());
     if row.failed.is_some() && !case.about.fails {
-        tell!("{}: it does not fail again; a race may do so in many runs: replay --times 1000", own.display());
+        tell!("{}: it does not fail again; a race may fail in one of many runs: replay --times 1000", own.display());
     }
     Ok(())
 }

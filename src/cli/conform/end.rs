@@ -14,7 +14,7 @@ use milkglass::measure::results::changes::{Thresholds, changes};
 use milkglass::measure::results::{Outcome, Results, Verdict};
 use milkglass::measure::verdict::{commit, verdict, watched};
 
-/// What stands for the fixture where all of them together show it.
+/// The fixture's name in an outcome of all fixtures together.
 const ALL: &str = "all fixtures";
 
 /// Writes the files, says what is wrong, and fails if something is.
@@ -46,7 +46,7 @@ pub(super) fn end(arguments: &Arguments, mut sink: Sink, before: Option<&Results
     let idle = |name: &&String| outcomes.iter().all(|outcome| outcome.stage != **name);
     let own: Vec<String> = sink.replaced.iter().filter_map(|kernel| Some(owner(kernel)?.name.to_string())).collect();
     let asked = arguments.stage.iter().map(|stage| ("--stage", stage)).chain(own.iter().map(|s| ("--replace", s)));
-    // A part of the fixtures need not run everything.
+    // A shard need not run every stage.
     if wrong.is_empty()
         && arguments.shard.is_none()
         && let Some((key, name)) = asked.into_iter().find(|(_, name)| idle(name))
@@ -89,7 +89,7 @@ fn summary(wrong: &[&Outcome]) -> String {
     format!("of the comparisons, {}", parts.join(", "))
 }
 
-/// What a report on a driver needs.
+/// Prints what a bug report on a driver needs: device, driver, probes and system; then the number of comparisons.
 fn closing(all: &Results) -> Result<()> {
     let mut text = String::new();
     for facts in &all.run.devices {
@@ -111,7 +111,7 @@ fn closing(all: &Results) -> Result<()> {
     }
 }
 
-/// Stages whose values lean to one side over all fixtures, and in none of them enough to be seen there.
+/// Stages whose values lean to one side over all fixtures, but in no single fixture enough to be seen.
 fn leaning(arguments: &Arguments, sink: &Sink) -> Vec<Outcome> {
     let mut found: Vec<Outcome> = Vec::new();
     let outcomes = &sink.all.results;

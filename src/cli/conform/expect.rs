@@ -7,7 +7,7 @@ use serde::Deserialize;
 use milkglass::error::{Input, Result};
 use milkglass::measure::results::{DeviceFacts, Outcome, Results};
 
-/// Most bytes of such a file.
+/// Most bytes of a file of known failures.
 const MOST: u64 = 16 << 20;
 
 /// The file.
@@ -60,7 +60,7 @@ pub(super) fn load(path: Option<&Path>) -> Result<Vec<Known>> {
 }
 
 impl Known {
-    /// Whether a comparison is the one, or one of those, that it names.
+    /// Whether it names this comparison; one that ended before its first stage has every stage.
     fn names(&self, outcome: &Outcome) -> bool {
         let is = |wish: &Option<String>, value: &str| wish.as_deref().is_none_or(|wish| wish == value);
         let device = self.entry.device.as_deref().unwrap_or_default().to_lowercase();
@@ -69,7 +69,7 @@ impl Known {
             && outcome.device.to_lowercase().contains(&device)
     }
 
-    /// Whether a failure is known by it.
+    /// Whether it explains this failure.
     pub(super) fn fits(&self, outcome: &Outcome) -> bool {
         self.names(outcome)
     }

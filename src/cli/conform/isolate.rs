@@ -22,13 +22,13 @@ pub(super) fn run(
 ) -> Result<()> {
     for choice in choices {
         for (index, adapter) in devices {
-            one(arguments, choice, (*index, adapter), sink)?;
+            compare(arguments, choice, (*index, adapter), sink)?;
         }
     }
     Ok(())
 }
 
-/// Probes a device in a process of its own; what came of it where it did not end.
+/// Probes a device in a process of its own; returns the failure of a process that did not end well.
 pub(super) fn probed(
     arguments: &Arguments,
     (index, adapter): (usize, &Adapter),
@@ -49,7 +49,7 @@ pub(super) fn probed(
     Ok(ended.map(outcome))
 }
 
-fn one(arguments: &Arguments, choice: &Choice, (index, adapter): (usize, &Adapter), sink: &mut Sink) -> Result<()> {
+fn compare(arguments: &Arguments, choice: &Choice, (index, adapter): (usize, &Adapter), sink: &mut Sink) -> Result<()> {
     let mut child = command(arguments, index)?;
     compares(&mut child, arguments, choice, (&arguments.stage, arguments.dump.as_deref()));
     let (mut stage, mut steps) = (String::new(), BTreeMap::<String, usize>::new());
@@ -59,7 +59,7 @@ fn one(arguments: &Arguments, choice: &Choice, (index, adapter): (usize, &Adapte
             *steps.entry(begun.clone()).or_default() += 1;
             sink.begins(choice.name(), &begun)
         }
-        // What ended is over; a device that failed has said so itself.
+        // The exit code tells of a failed device, below.
         Line::Result(outcome) if outcome.verdict == Verdict::DeviceFailed => Ok(()),
         Line::Result(mut outcome) => {
             if !arguments.scenes.is_empty() {

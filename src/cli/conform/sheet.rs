@@ -1,4 +1,4 @@
-//! The tables that `conform` prints: a row as each comparison ends, and the histogram of distances after all.
+//! The tables that `conform` prints: a row as each comparison ends, then the histogram of distances.
 
 use super::choose::Choice;
 use crate::cli::table;
@@ -26,7 +26,7 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// For rows of these devices and fixtures.
+    /// A table with columns wide enough for these devices and fixtures.
     pub(super) fn new(devices: &[DeviceFacts], choices: &[Choice]) -> Self {
         let count = |text: &str| text.chars().count();
         let mut widths = COLUMNS.map(|(name, least)| count(name).max(least));
@@ -74,7 +74,7 @@ impl Sheet {
     }
 }
 
-/// The largest difference in per cent of what the tolerance allows.
+/// A difference in per cent of what the tolerance allows.
 pub(super) fn of_tolerance(used: Option<f64>) -> String {
     match used.map(|used| 100.0 * used) {
         Some(0.0) => "0 %".into(),
@@ -122,7 +122,7 @@ pub(super) fn histogram(outcomes: &[Outcome]) -> String {
     format!("{note}{text}{}\n", table(header, cells))
 }
 
-/// Why distances that are marked with a star are no failures: of each stage the largest.
+/// Why distances that are marked with a star are no failures, with the largest one of each device and stage.
 fn explained(outcomes: &[Outcome]) -> String {
     let mut largest: Vec<(&Outcome, &str)> = Vec::new();
     for outcome in outcomes {

@@ -17,7 +17,7 @@ use milkglass::error::{Input, Result};
 use milkglass::measure::conform::BINS;
 use milkglass::measure::results::{DeviceFacts, Line, Outcome, Results, Run, SCHEMA, system};
 
-/// Everything that wants to know of a result.
+/// Everything that each result goes to.
 pub(super) struct Sink {
     /// The results so far.
     pub(super) all: Results,
@@ -31,7 +31,7 @@ pub(super) struct Sink {
 }
 
 impl Sink {
-    /// Opens the file of lines, and writes what is run to it.
+    /// Opens the file of lines, and writes the line that describes the run.
     pub(super) fn open(
         arguments: &Arguments,
         choices: &[Choice],
@@ -70,7 +70,7 @@ impl Sink {
         Ok(sink)
     }
 
-    /// Writes a line where lines are wanted.
+    /// Writes a line of JSON to the file, and in a child to standard output.
     fn line(&mut self, line: &Line) -> Result<()> {
         if self.lines.is_none() && !self.child {
             return Ok(());

@@ -21,7 +21,7 @@ use milkglass::measure::results::{Line, Verdict};
 /// The most that all tries of fewer groups may take, seconds.
 const TRIES: f64 = 120.0;
 
-/// In the process that does so: runs a step of the stage, and writes cases 0, 1, ... to this folder.
+/// In that other process: runs a step of the stage, and writes cases 0, 1, ... to this folder.
 pub(super) fn steps(
     arguments: &Arguments,
     folder: &Path,
@@ -38,7 +38,7 @@ pub(super) fn steps(
     })
 }
 
-/// Writes the case of what did not end, and says what it holds: this step, counted from 0, of the stage.
+/// Writes the case of the step that did not end, counted from 0 among those of the stage, and says what it holds.
 pub(super) fn write(
     arguments: &Arguments,
     folder: &Path,
@@ -54,7 +54,7 @@ pub(super) fn write(
     compares(&mut child, arguments, choice, (&[stage.to_string()], Some(beside.path())));
     child.args(["--unfinished", &step.to_string()]);
     let ended = watched(child, arguments.timeout, &mut |_: Line| Ok(()))?;
-    // A folder appears whole, so the last one is that of what ran last.
+    // A folder appears whole, so the last one is that of the dispatch that ran last.
     let at = |count: usize| beside.path().join(count.to_string());
     let Some(last) = (0..).map(at).take_while(|folder| folder.is_dir()).last() else {
         let why = ended.map_or("it dispatches nothing".into(), |(_, why)| format!("before its first dispatch {why}"));
@@ -65,7 +65,7 @@ pub(super) fn write(
     let Some((verdict, why)) = ended else {
         case.write(&own, "--dump")?;
         tell!("{}, {}", describe(&own, &case), amount(&case));
-        tell!("{}: it ends well now; it may not in many runs: replay --times 1000", own.display());
+        tell!("{}: it ends well now, and may fail in one of many runs: replay --times 1000", own.display());
         return Ok(());
     };
     case.about.dispatches += &format!(": {why}");
@@ -88,7 +88,7 @@ fn fewer(arguments: &Arguments, (case, verdict): (&Case, Verdict), (device, besi
     let (begun, mut tries) = (Instant::now(), 0);
     least(case, &mut |less| {
         let rest = TRIES - begun.elapsed().as_secs_f64();
-        // A hang needs its whole time to show.
+        // A hang shows only after the whole timeout.
         if rest < arguments.timeout && (verdict == Verdict::Hung || rest < 1.0) {
             return Ok(false);
         }

@@ -10,7 +10,7 @@ use milkglass::internals::session::run::Session;
 /// Names of the sections, in order.
 const SECTIONS: [&str; 4] = ["stage", "kernel", "buffer", "left out"];
 
-/// A table of the differences; a dash marks what one of them lacks.
+/// A table of the differences; a dash marks what one of the two lacks.
 pub(super) fn text(one: &Session, other: &Session) -> Result<String> {
     let [first, second] = [listed(one)?, listed(other)?];
     let mut rows = Vec::new();
@@ -18,9 +18,9 @@ pub(super) fn text(one: &Session, other: &Session) -> Result<String> {
     keys.sort();
     keys.dedup();
     for key in keys {
-        let of = |list: &BTreeMap<(usize, String), String>| list.get(key).cloned().unwrap_or_else(|| "-".into());
+        let value = |list: &BTreeMap<(usize, String), String>| list.get(key).cloned().unwrap_or_else(|| "-".into());
         if first.get(key) != second.get(key) {
-            rows.push(vec![SECTIONS[key.0].to_string(), key.1.clone(), of(&first), of(&second)]);
+            rows.push(vec![SECTIONS[key.0].to_string(), key.1.clone(), value(&first), value(&second)]);
         }
     }
     let [left, right] = [one.scene().name.clone(), other.scene().name.clone()];

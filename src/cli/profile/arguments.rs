@@ -16,9 +16,9 @@ use milkglass::measure::profile::Settings;
 use milkglass::measure::profile::file::{SCHEMA, Saved, Subject};
 use milkglass::measure::rounds::{ROUNDS, Samples};
 
-/// Frames of a profile, where nothing else is asked for.
+/// Frames of a profile by default.
 const FRAMES: u32 = 11;
-/// Those that are compared with an earlier run.
+/// Frames by default where they are compared with an earlier run.
 const COMPARED: u32 = 41;
 
 /// Arguments of `profile`.
@@ -97,7 +97,7 @@ impl Arguments {
         }
     }
 
-    /// The settings of the profile itself; one that follows a comparison of kernels has taken the time it may.
+    /// The settings of the profile itself: a short one after a comparison of kernels, which has used the time up.
     pub(super) fn alone(&self, settings: &Settings) -> Settings {
         let replaced = !self.replace.pairs().is_empty();
         let frames = if replaced { settings.frames.min(FRAMES as usize) } else { settings.frames };
@@ -105,7 +105,7 @@ impl Arguments {
         Settings { frames, until, counts_links, ..*settings }
     }
 
-    /// Fails if there are several devices and something that goes with one only.
+    /// Fails if there are several devices and an option that goes with one only.
     pub(super) fn check(&self) -> Result<()> {
         let given = [
             ("--csv", self.csv.is_some()),
@@ -124,7 +124,7 @@ impl Arguments {
         }
     }
 
-    /// Whether several are compared.
+    /// Whether several builds, runs, devices or kernels are compared.
     fn several(&self) -> bool {
         self.against.is_some() || !self.compare.is_empty() || self.device.len() > 1 || !self.replace.pairs().is_empty()
     }
@@ -132,7 +132,7 @@ impl Arguments {
     /// Opens a device; `None` is the CPU.
     pub(super) fn open(&self, name: Option<&String>) -> Result<Option<Device>> {
         let device = DeviceArgument::named(name.cloned()).open(validation())?;
-        // A profile tells what a stage's first run takes.
+        // A profile tells how long a stage's first run takes, so nothing is compiled ahead.
         device.iter().for_each(|device| device.compile_ahead(false));
         Ok(device)
     }

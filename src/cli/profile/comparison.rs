@@ -9,7 +9,7 @@ use milkglass::measure::profile::file::Saved;
 use milkglass::measure::rounds::{Forecast, Ratio, Samples};
 use milkglass::measure::statistics::Interval;
 
-/// What the rounds after the first start are going to take, and what the budget leaves undecided.
+/// How long the rounds after the first start are going to take, and which rows the budget leaves undecided.
 pub(super) fn forecast(found: &Forecast, settings: &Settings) -> String {
     let Forecast { starts, each, seconds, fewest: [edited, others] } = *found;
     let mut text = match settings.until {
@@ -75,7 +75,7 @@ pub(in crate::cli) fn unmet(samples: &Samples, settings: &Settings) -> String {
     })
 }
 
-/// Prints the ratios of two runs; each has a file or a name of its own.
+/// Prints the ratios of two runs, each with its file, or a name in place of one.
 pub(super) fn files((first, a): (&Saved, &Path), (second, b): (&Saved, &Path)) -> Result<()> {
     first.same_subject(second, b)?;
     let mut text = String::new();
@@ -124,16 +124,19 @@ fn per_round(samples: &Samples) -> f64 {
 fn meaning(ratio: &str, edited: usize, others: usize) -> String {
     let families = match edited {
         0 => format!("the intervals of all {others} ratios hold together with 95 %"),
-        1 => format!("that of the replaced stage holds with 95 %, and so do those of the {others} other rows together"),
+        1 => format!(
+            "the interval of the replaced stage holds with 95 %, and so do those of the {others} other rows together"
+        ),
         _ => format!(
-            "those of the {edited} replaced stages hold together with 95 %, and so do those of the {others} others"
+            "the intervals of the {edited} replaced stages hold together with 95 %, and so do those of the {others} \
+             others"
         ),
     };
     format!("ms: medians, and half their 95 % intervals; ratio: {ratio}; {families}\n")
 }
 
-/// A table of ratios, and what it shows: each edited stage by itself, then all other rows. A round takes so many
-/// seconds.
+/// A table of ratios, and what it shows: each edited stage by itself, then all other rows. `seconds` is the time of a
+/// round.
 fn rows_told(names: [&str; 2], rows: &[Ratio], edited: &[String], seconds: f64) -> String {
     let cells: Vec<Vec<String>> = rows.iter().map(|row| cells(row, edited)).collect();
     let [one, two] = names.map(|name| format!("{name} ms"));
@@ -158,7 +161,7 @@ fn rows_told(names: [&str; 2], rows: &[Ratio], edited: &[String], seconds: f64) 
     text + &format!("{against}{which}: {}\n", verdict(&others, seconds))
 }
 
-/// What these rows show together. Without an interval a row is undecided, however far its ratio is from 1.
+/// What these rows show together. A row without an interval is undecided, however far its ratio is from 1.
 fn verdict(rows: &[&Ratio], seconds: f64) -> String {
     let (decided, open): (Vec<&Ratio>, Vec<&Ratio>) = rows.iter().partition(|row| row.missing_rounds == 0);
     let found = |row: &&&Ratio| Some(format!("{} {} ({:.3})", row.what, row.finding()?, row.ratio.value));

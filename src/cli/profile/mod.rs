@@ -168,7 +168,7 @@ fn called(numbers: &[Option<usize>]) -> Vec<String> {
     numbers.iter().enumerate().map(name).collect()
 }
 
-/// Tells what a comparison is going to take.
+/// Tells how long a comparison is going to take.
 fn foretold(settings: &Settings) -> impl FnMut(&Forecast) {
     |found| tell!("{}", forecast(found, settings))
 }

@@ -38,7 +38,7 @@ pub(super) struct Hello {
     result: String,
 }
 
-/// What it says of a frame.
+/// What the process says of a frame.
 #[derive(Serialize, Deserialize)]
 struct Answer {
     /// Milliseconds from call to result.
@@ -77,7 +77,7 @@ fn say(what: &impl Serialize) -> Result<()> {
     print(&(text + "\n"))
 }
 
-/// Such a process.
+/// A process that serves frames.
 pub(super) struct Other {
     program: String,
     child: Child,
@@ -121,18 +121,18 @@ impl Other {
         let mut other = Self { program, child, asks, answers, errors: Some(errors), hello, result: Vec::new() };
         let Some(line) = other.line() else {
             let said = other.ended();
-            return Err(fault(format!("its version has no `profile --rounds`{}", after(&said))));
+            return Err(fault(format!("this program has no `profile --serve`{}", after(&said))));
         };
         other.hello = match serde_json::from_str(&line) {
             Ok(hello @ Hello { rounds: SCHEMA, .. }) => hello,
-            _ => return Err(fault("its version has no `profile --rounds` that this version understands".into())),
+            _ => return Err(fault("this program's `profile --serve` is of another version".into())),
         };
         let result = STANDARD.decode(&other.hello.result);
         other.result = result.map_err(|error| fault(format!("this program's result could not be read: {error}")))?;
         Ok(other)
     }
 
-    /// Program, device and driver in a line.
+    /// The program's version and commit, its device and its driver, in a line.
     pub(super) fn origin(&self) -> String {
         let Hello { version, commit, device, driver, .. } = &self.hello;
         let commit = commit.as_deref().map(|commit| format!(", commit {}", commit.get(..12).unwrap_or(commit)));
@@ -150,7 +150,7 @@ impl Other {
         self.answers.read_line(&mut line).ok().filter(|count| *count > 0).map(|_| line)
     }
 
-    /// Waits for its end; the last error that it has told.
+    /// Waits for its end; returns the last error that it wrote.
     fn ended(&mut self) -> String {
         self.asks = None;
         let _ = self.child.wait();

@@ -17,7 +17,7 @@ fn millions(count: u64) -> String {
     if millions == 0.0 || millions >= 0.1 { format!("{millions:.1}") } else { format!("{millions:.4}") }
 }
 
-/// What changed of the exact counts of a stage from one kernel to another, in a line.
+/// The changes in a stage's exact counts from one kernel to another, in a line.
 pub(super) fn work_told(stage: &str, [before, after]: [Work; 2]) -> String {
     let arithmetic = |work: Work| [("flop", work.flops), ("div", work.roots), ("exp", work.exps)];
     let bytes = |work: Work| [("loads", work.loaded), ("stores", work.stored)];
@@ -61,8 +61,8 @@ pub(super) fn text(found: &Profile) -> String {
         let [ms, spread] = milliseconds(Some(sum));
         text += &format!(", {ms} ms of stages on the device ({spread})");
     }
-    let of = if found.device == "cpu" { "bytes in buffers" } else { "device memory at most" };
-    text += &format!("\n{of}: {}\n", size(found.peak));
+    let memory = if found.device == "cpu" { "bytes in buffers" } else { "device memory at most" };
+    text += &format!("\n{memory}: {}\n", size(found.peak));
     if let Some(rates) = &found.rates {
         let (copy, fma, exp) = (rates.copy * 1e-9, rates.fma * 1e-9, rates.exp * 1e-9);
         text += &format!(
@@ -91,7 +91,7 @@ fn frames(found: &Profile) -> String {
 
 /// The stages with their times, work, and shares of the device's rates.
 fn stages(found: &Profile) -> Table {
-    let work = |row: &Row, of: &dyn Fn(Work) -> String| row.work.map_or_else(|| "-".into(), of);
+    let work = |row: &Row, cell: &dyn Fn(Work) -> String| row.work.map_or_else(|| "-".into(), cell);
     let share = |row: &Row, k: usize| {
         found.shares(row)[k].map_or_else(|| "-".into(), |share| format!("{:.1} %", 100.0 * share))
     };

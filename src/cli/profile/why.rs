@@ -39,7 +39,7 @@ pub(super) fn text(found: &Profile, why: &Why) -> String {
     let rest = stages.split_off(stages.len().min(ROWS));
     let mut rows: Vec<Vec<String>> = stages.iter().map(|stage| cells(stage)).collect();
     if !rest.is_empty() {
-        let sum = |of: fn(&Stage) -> f64| rest.iter().map(|stage| of(stage)).sum::<f64>();
+        let sum = |value: fn(&Stage) -> f64| rest.iter().map(|stage| value(stage)).sum::<f64>();
         let mut row =
             vec![format!("{} others", rest.len()), format!("{:.3}", sum(|s| s.ms)), percent(sum(|s| s.share))];
         row.extend(["", "", "", "", "", "", ""].map(String::from));
@@ -82,7 +82,7 @@ fn cells(stage: &Stage) -> Vec<String> {
         None => cells.extend(["-"; 7].map(String::from)),
     }
     cells.push(format!("{:.1}", stage.creation_ms));
-    // Without the sign of a difference that rounds to 0.
+    // Adding 0 drops the sign of a difference that rounds to -0.
     cells.push(stage.first_run_ms.map_or("-".into(), |ms| format!("{:.1}", (10.0 * ms).round() / 10.0 + 0.0)));
     cells
 }

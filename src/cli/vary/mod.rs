@@ -20,7 +20,7 @@ use milkglass::measure::profile::Settings;
 use milkglass::measure::rounds::{ROUNDS, Ratio};
 use milkglass::measure::vary::{Outcome, Subject, Tried, Variant, asked, strips};
 
-/// Seconds that an axis is timed for, where nothing else is asked for.
+/// Seconds for which an axis is timed by default.
 const BUDGET: f64 = 60.0;
 
 /// Arguments of `vary`.
@@ -33,7 +33,7 @@ pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
     /// An axis, and its values if not all of them: `barriers`, `descriptors=push,dispatch`, `group.gather=128`; each
-    /// value is compared with the default. All axes where none is given.
+    /// value is compared with the default [default: all axes].
     #[arg(long, value_name = "NAME[=VALUE,...]")]
     axis: Vec<String>,
     /// List the axes and their values, and what the device lacks for them.
@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         given => given.iter().map(|text| asked(text)).collect::<Result<Vec<_>>>()?,
     };
     let device = arguments.device.open(validation())?.ok_or_else(|| {
-        let fault = Input::new("the API is a device's").key("--device").found("the CPU");
+        let fault = Input::new("only a Vulkan device has choices of the API").key("--device").found("the CPU");
         Error::from(fault.expected("a device that `milkglass devices` lists"))
     });
     if arguments.list {

@@ -24,7 +24,7 @@ pub(super) fn list(axes: &[Asked], device: Option<&Device>) -> String {
     text
 }
 
-/// A row for each variant: the whole frame, and the stages that show a difference.
+/// A table with a row for each variant: the whole frame, and the stages that show a difference.
 pub(super) fn summary(outcomes: &[Outcome]) -> String {
     let mut rows = Vec::new();
     for outcome in outcomes {
@@ -60,7 +60,7 @@ fn cells(row: &Ratio) -> [String; 2] {
     [format!("{:.3}", row.ratio.value), interval]
 }
 
-/// The stages of an axis: the default's times, and each variant's ratio to them.
+/// A table of the stages of an axis: the default's times, and each variant's ratio to them.
 pub(super) fn stages(outcome: &Outcome) -> String {
     let Outcome { samples, ratios, asked, .. } = outcome;
     let Some(first) = ratios.first() else { return String::new() };

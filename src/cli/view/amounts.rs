@@ -16,10 +16,10 @@ pub(super) struct Amount {
 }
 
 /// The amounts of an object's deformations, in the order of its file; `extent` is its largest extent, scene units.
-/// Joints have none.
+/// A skin has none.
 pub(super) fn amounts(object: &Object, extent: f64) -> Vec<Amount> {
     let amount = |kind, key, value, most: f64| Amount { kind, key, value, ends: [-most, most] };
-    let one = |deform: &Deform| {
+    let of_deform = |deform: &Deform| {
         Some(match deform {
             Deform::Twist { angle, .. } => amount("twist", "angle", angle.to_degrees(), 360.0),
             Deform::Bend { angle, .. } => amount("bend", "angle", angle.to_degrees(), 180.0),
@@ -29,7 +29,7 @@ pub(super) fn amounts(object: &Object, extent: f64) -> Vec<Amount> {
             Deform::Skin { .. } => return None,
         })
     };
-    object.deforms.iter().filter_map(one).collect()
+    object.deforms.iter().filter_map(of_deform).collect()
 }
 
 /// Sets the amount of a deformation, by its place among [`amounts`].

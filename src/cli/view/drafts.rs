@@ -1,5 +1,5 @@
-//! What drafts leave out, so that a frame stays short. The rule: a draft's time is predicted from what each stage took
-//! when it ran last, and the draft is the finest one that is predicted to take at most [`AIM`].
+//! What drafts leave out, so that a frame stays short. The rule: a draft's time is predicted from the time that each
+//! stage took when it ran last, and the finest draft is made that is predicted to take at most [`AIM`].
 
 use milkglass::internals::gpu::Timing;
 use milkglass::internals::lighting::shadow;
@@ -10,9 +10,9 @@ use milkglass::scene::{Light, Receivers, Scene, Source};
 
 use super::history::stage_of;
 
-/// What a draft may be predicted to take, ms: what it takes varies, and the window has to be drawn, too.
+/// The longest predicted time of a draft, ms: the actual time varies, and the window has to be drawn, too.
 const AIM: f64 = 170.0;
-/// A finer draft may be predicted to take this share of that, so that drafts do not alternate.
+/// The share of [`AIM`] that a finer draft than the last one may be predicted to take, so that drafts do not alternate.
 const FINER: f64 = 0.8;
 /// The tolerance of drafts, if the scene's is not coarser.
 const TOLERANCE: f64 = 0.1;
@@ -62,24 +62,24 @@ impl Level {
 
     /// Rays of a face to the lights of a scene.
     fn rays(&self, scene: &Scene) -> f64 {
-        let of = |light: &Light| match light.source {
+        let rays = |light: &Light| match light.source {
             Source::Environment { occlusion, .. } => self.sky.min(occlusion),
             _ if !(light.shadows && self.shadows) => 0,
             Source::Area { samples, .. } => self.area.min(samples).pow(2),
             _ => 1,
         };
-        f64::from(scene.lights.iter().map(of).sum::<u32>())
+        f64::from(scene.lights.iter().map(rays).sum::<u32>())
     }
 }
 
 /// Chooses drafts.
 #[derive(Clone, Debug)]
 pub(super) struct Policy {
-    /// What each stage took, ms, but for those of the picture; that of shadows for one ray of a face.
+    /// The time of each stage that does not depend on a draft's pixels, ms; that of `shadow` for one ray of a face.
     stages: Vec<(String, f64)>,
-    /// What each stage of the picture took, ms for a draft of the window's pixels: with transport, and without.
+    /// The time of each stage that does, ms, scaled to all pixels of the window: with transport, and without.
     picture: [Vec<(String, f64)>; 2],
-    /// The draft: of [`LEVELS`] and of [`FACTORS`].
+    /// The draft: its index in [`LEVELS`], and its index in [`FACTORS`].
     pub(super) level: usize,
     pub(super) coarseness: usize,
     /// The coarsest level that can serve the scene.
@@ -94,7 +94,7 @@ impl Default for Policy {
 }
 
 impl Policy {
-    /// Adopts what a draft took: its steps on the device, and all of it, ms.
+    /// Adopts the times of a draft: of its steps on the device, and `all` of it, ms.
     pub(super) fn learn(&mut self, scene: &Scene, steps: &[Timing], all: f64) {
         let (stages, picture) = costs(steps, all, LEVELS[self.level].rays(scene));
         let own = usize::from(!LEVELS[self.level].transport);
@@ -107,7 +107,7 @@ impl Policy {
         !self.stages.is_empty() || self.picture.iter().any(|stages| !stages.is_empty())
     }
 
-    /// Adopts what a whole frame took where that is less: it does no less than a draft.
+    /// Adopts the times of a whole frame where they are less: it does no less than a draft.
     pub(super) fn relearn(&mut self, scene: &Scene, steps: &[Timing], all: f64) {
         let rays = scene.lights.iter().filter(|light| light.shadows).map(Light::samples).sum::<usize>();
         for (name, cost) in costs(steps, all, rays as f64).0 {
@@ -123,27 +123,27 @@ impl Policy {
         if !self.knows() {
             return;
         }
-        let share = |finer: bool| if finer { AIM * FINER - spent } else { AIM - spent };
+        let budget = |finer: bool| if finer { AIM * FINER - spent } else { AIM - spent };
         if all {
             let least = |level: usize| self.picture(level, FACTORS.len() - 1);
-            let fits = |level: &usize| self.predicted(scene, *level) + least(*level) <= share(*level < self.level);
-            // One step finer at most: what that takes is measured first.
+            let fits = |level: &usize| self.predicted(scene, *level) + least(*level) <= budget(*level < self.level);
+            // At most one step finer: how long that takes is measured first.
             self.level = (self.level.saturating_sub(1)..self.coarsest).find(fits).unwrap_or(self.coarsest);
         }
         let rest = if all { self.predicted(scene, self.level) } else { 0.0 };
         let picture = |coarseness: usize| self.picture(self.level, coarseness);
-        let fits = |coarseness: &usize| rest + picture(*coarseness) <= share(*coarseness < self.coarseness);
+        let fits = |coarseness: &usize| rest + picture(*coarseness) <= budget(*coarseness < self.coarseness);
         self.coarseness = (0..FACTORS.len()).find(fits).unwrap_or(FACTORS.len() - 1);
     }
 
-    /// What the picture of a draft takes, ms.
+    /// The predicted time of a draft's picture, ms.
     fn picture(&self, level: usize, coarseness: usize) -> f64 {
         let own = usize::from(!LEVELS[level].transport);
         let known = if self.picture[own].is_empty() { &self.picture[1 - own] } else { &self.picture[own] };
         known.iter().map(|(_, cost)| cost).sum::<f64>() / f64::from(FACTORS[coarseness].pow(2))
     }
 
-    /// What a draft takes besides its picture, ms.
+    /// The predicted time of a draft without its picture, ms.
     fn predicted(&self, scene: &Scene, level: usize) -> f64 {
         let level = &LEVELS[level];
         let cost = |(name, cost): &(String, f64)| match stage(name) {
@@ -168,9 +168,9 @@ fn adopt(known: &mut Costs, new: Costs, factor: f64) {
     }
 }
 
-/// What each stage took, ms, but for those of pixels; then what each of those took. That of shadows is for one of
-/// `rays`. What of `all` the steps do not have is the first one's: with a window, lavapipe starts the clock of a frame
-/// too late.
+/// The time of each stage that does not depend on the pixels, ms, then of each stage that does; that of `shadow` is for
+/// one of `rays`. The part of `all` that no step has goes to the first one: with a window, lavapipe starts the clock of
+/// a frame too late.
 fn costs(steps: &[Timing], all: f64, rays: f64) -> (Costs, Costs) {
     let mut of_picture = false;
     let (mut sums, mut picture): (Costs, Costs) = Default::default();
@@ -181,7 +181,7 @@ fn costs(steps: &[Timing], all: f64, rays: f64) -> (Costs, Costs) {
         of_picture |= name == pixel_receivers::STAGE.name;
         let milliseconds = step.milliseconds + std::mem::take(&mut late).max(0.0);
         let cost = milliseconds / if name == shadow::STAGE.name { rays.max(1.0) } else { 1.0 };
-        // Others that only pictures need run for each object, whatever its pixels.
+        // Other stages that only pictures need run for each object, whatever the number of pixels.
         let pixels = |stage: &Stage| stage.needs.contains(&Need::Picture) && stage.granularity == Granularity::Scene;
         let list = if of_picture || stage(name).is_some_and(pixels) { &mut picture } else { &mut sums };
         match list.iter_mut().find(|(stage, _)| stage == name) {
@@ -203,8 +203,8 @@ mod tests {
         Timing { name: name.into(), milliseconds, ..Timing::default() }
     }
 
-    /// The level and the factor that drafts come to where a ray of each face, the other stages before the picture, and
-    /// the picture at the window's pixels take so many ms.
+    /// The level and the factor that drafts settle at. The times, in ms, are those of one ray of each face, of the
+    /// other stages before the picture, and of the picture at the window's pixels.
     fn settled(scene: &Scene, [ray, others, picture]: [f64; 3], all: bool) -> (usize, u32) {
         let mut policy = Policy::default();
         for _ in 0..10 {
@@ -226,7 +226,7 @@ mod tests {
 
     #[test]
     fn drafts_are_as_fine_as_the_time_allows() {
-        // A sky and two lamps: at the finest level six rays of a face.
+        // A sky and a sun: at the finest level five rays of a face.
         let scene = Scene::load("bust").unwrap();
         let rays = LEVELS.map(|level| level.rays(&scene));
         assert!(rays[0] > rays[1] && rays[1] > 0.0 && rays[2] == 0.0, "{rays:?}");

@@ -4,7 +4,7 @@ use winit::event::{Modifiers, MouseButton};
 
 use super::keys::{Action, ZOOM};
 
-/// Degrees of a pixel of a drag.
+/// Degrees per pixel of a drag.
 const DRAG: f64 = 0.4;
 /// How near to a handle a drag of it begins, pixels.
 const NEAR: f64 = 10.0;
@@ -15,7 +15,7 @@ pub(super) enum Drag {
     Orbit,
     Pan,
     Light,
-    /// Of a light's handle.
+    /// A drag of a light's handle, which shifts the light.
     Handle,
 }
 
@@ -46,7 +46,7 @@ impl Drag {
     }
 }
 
-/// What lines of the wheel do, upwards above 0.
+/// What a turn of the wheel by this many lines does; above 0 is upwards.
 pub(super) fn wheel(lines: f64) -> Action {
     Action::Zoom(ZOOM.powf(lines))
 }

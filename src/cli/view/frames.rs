@@ -24,14 +24,14 @@ use super::history::History;
 use super::inspect::{Inspector, Layer};
 use crate::cli::greet;
 
-/// What is shown, and what is to be done for it.
+/// How far the picture is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Progress {
     /// The scene has changed since the last picture.
     Changed,
-    /// A draft is shown, since then.
+    /// A draft is shown, since this time.
     Draft(Instant),
-    /// So many samples of the picture are in it; none: rays through the pixels' centres.
+    /// The picture has this many samples; with 0 it shows rays through the pixels' centres.
     Sample(u32),
     /// The picture is what `render` writes.
     Whole,
@@ -42,17 +42,18 @@ pub(super) struct Frames {
     device: Device,
     options: Options,
     full: Session,
-    /// Those of drafts with transport, and without; made when they are first needed.
+    /// The sessions of drafts with transport, and without; made when they are first needed.
     drafts: [Option<Session>; 2],
     pub(super) policy: Policy,
     /// Whether more than the camera has changed since the last draft.
     all: bool,
-    /// Whether the last picture was fast enough to do without drafts.
+    /// Whether a picture's first frame is fast enough to do without drafts: after a change of the camera alone, and
+    /// after any other one.
     quick: [bool; 2],
     /// Whether more than the camera has changed since the last whole frame.
     heavy: bool,
     pub(super) progress: Progress,
-    /// What is shown of the scene, and of which pixel.
+    /// What is shown of the scene, and the pixel that is picked for it.
     layer: Layer,
     pick: [u32; 2],
     pub(super) inspector: Inspector,
@@ -66,12 +67,12 @@ pub(super) struct Frames {
     check: Check,
     /// How long each draft took, ms.
     drafted: Vec<f64>,
-    /// How many there were before the first whole picture, once it is there.
+    /// How many drafts there were before the first whole picture, once that is there.
     first_drafts: Option<usize>,
 }
 
 impl Frames {
-    /// For a scene on a device.
+    /// The frames of a scene on a device.
     pub(super) fn new(scene: &Scene, device: &Device, options: Options) -> Result<Self> {
         let mut full = parts::open(scene, device, options)?;
         greet(&mut full);
@@ -165,7 +166,7 @@ impl Frames {
             return Ok(());
         }
         let turn = Instant::now();
-        // With what the change took.
+        // The frame began when the change did.
         let mut start = Instant::now().checked_sub(before).unwrap_or_else(Instant::now);
         let steps = match self.progress {
             Progress::Changed if !self.begins(held) => self.draft(scene, before)?,
@@ -199,7 +200,7 @@ impl Frames {
         Ok(())
     }
 
-    /// Renders the layer; one that can't be shown is left for the light.
+    /// Renders the layer; goes back to light if it can't be shown.
     fn inspect(&mut self, scene: &Scene) -> Result<Vec<Timing>> {
         let mut scene = scene.clone();
         if let Some(exposure) = self.full.metered() {
@@ -221,7 +222,7 @@ impl Frames {
 
     /// The picture to show, with its size; none before the first one.
     pub(super) fn shown(&mut self) -> Result<Option<([u32; 2], &Buffer)>> {
-        // Exposed anew when the picture is whole, and as before until then.
+        // The picture is exposed anew when it is whole, and as the last one until then.
         let exposure = self.full.metered().filter(|_| self.progress != Progress::Whole);
         let [transported, local] = &mut self.drafts;
         let draft = if LEVELS[self.policy.level].transport { transported } else { local };

@@ -1,4 +1,4 @@
-//! What the last frames took, for the panel's strip and for traces.
+//! The times of the last frames, for the panel's strip and for traces.
 
 use std::collections::VecDeque;
 use std::time::Instant;

@@ -25,11 +25,11 @@ pub(super) enum Layer {
     /// The layer of this name that `render --aov` writes.
     Values(&'static str),
     Curvature,
-    /// The clusters that light the point that is picked.
+    /// The clusters that light the picked point.
     Clusters,
 }
 
-/// All of them with their names.
+/// All layers with their names.
 pub(super) const LAYERS: [(&str, Layer); 10] = [
     ("light", Layer::Light),
     ("irradiance", Layer::Values("irradiance")),
@@ -60,7 +60,7 @@ impl Inspector {
         Self { device: device.clone(), session: None, picture, bytes: Vec::new(), legend: Vec::new() }
     }
 
-    /// Renders a layer of a scene with these options, for a pixel that is picked, and returns the times of its steps.
+    /// Renders a layer of a scene with these options, for the picked pixel, and returns the times of its steps.
     pub(super) fn render(
         &mut self,
         scene: &Scene,
@@ -120,7 +120,7 @@ impl Inspector {
         Ok(session.show_instead(&self.bytes)?.map(|buffer| (size, buffer)))
     }
 
-    /// Writes the layer: `.png` as it is shown; `.exr` with the picture and all layers, where it is one of these.
+    /// Writes the layer: `.png` as it is shown; `.exr` with the picture and all layers, if it is a layer of `--aov`.
     pub(super) fn save(&mut self, file: &Path) -> Result<()> {
         match &mut self.session {
             Some((options, session)) if options.estimate && file.extension().is_some_and(|end| end == "exr") => {

@@ -121,11 +121,11 @@ pub(super) struct Row {
     keys: &'static [(&'static str, Action)],
 }
 
-/// Degrees of a key.
+/// Degrees per key press.
 const TURN: f64 = 5.0;
-/// Part of the picture's height of a key.
+/// Part of the picture's height per key press.
 const SHIFT: f64 = 0.05;
-/// Factor of a line of the wheel, and of a key.
+/// Factor on the camera's distance per line of the wheel, and per key press.
 pub(super) const ZOOM: f64 = 0.9;
 
 /// Every key and drag.

@@ -39,7 +39,7 @@ pub struct Arguments {
     /// How frames reach the screen.
     #[arg(long, value_enum, default_value_t)]
     present: PresentMode,
-    /// Close the window after so many frames.
+    /// Close the window after this many frames.
     #[arg(long, value_name = "N")]
     frames_limit: Option<u64>,
     /// Write what the window shows when it closes, the panel included: `.png`.

@@ -80,7 +80,7 @@ pub(super) enum Deed {
     Close,
 }
 
-/// What events wait for.
+/// What events may wait for.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Seen {
     /// Whether the picture is whole.
@@ -136,7 +136,7 @@ impl Play {
                 let end = (*frame == STEPS).then_some(Deed::Press(*button, false));
                 (start.chain([Deed::Move(place)]).chain(end).collect(), *frame == STEPS)
             }
-            // A frame between them, in which the panel sees each.
+            // One in each frame, so that the panel sees each.
             Event::Click(at) => match *frame {
                 1 => (vec![Deed::Move(*at)], false),
                 2 => (vec![Deed::Press(Button::Left, true)], false),

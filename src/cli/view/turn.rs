@@ -6,7 +6,7 @@ use milkglass::scene::{Camera, Light, Source};
 /// The least angle between the view and the camera's up direction, degrees.
 const POLE: f64 = 1.0;
 
-/// The camera that is moved around its target, by degrees to the right and upwards.
+/// The camera, moved around its target by degrees to the right and upwards.
 pub(super) fn orbit(camera: &Camera, right: f64, up: f64) -> Camera {
     let (axis, ..) = camera.basis();
     let offset = camera.position - camera.target;
@@ -17,7 +17,7 @@ pub(super) fn orbit(camera: &Camera, right: f64, up: f64) -> Camera {
     Camera { position: camera.target + offset, ..camera.clone() }
 }
 
-/// The camera that is shifted, with its target, by parts of the picture's height.
+/// The camera, shifted with its target by parts of the picture's height.
 pub(super) fn pan(camera: &Camera, right: f64, up: f64) -> Camera {
     let (across, upwards, _) = camera.basis();
     let height = 2.0 * camera.position.distance(camera.target) * (camera.fov.to_radians() / 2.0).tan();
@@ -25,7 +25,7 @@ pub(super) fn pan(camera: &Camera, right: f64, up: f64) -> Camera {
     Camera { position: camera.position + shift, target: camera.target + shift, ..camera.clone() }
 }
 
-/// The camera whose distance from its target is multiplied by `factor`; never beyond what a scene may have.
+/// The camera with its distance from its target multiplied by `factor`; unchanged where a scene may not have that.
 pub(super) fn zoom(camera: &Camera, factor: f64) -> Camera {
     let offset = (camera.position - camera.target) * factor;
     let length = offset.length();
@@ -35,7 +35,7 @@ pub(super) fn zoom(camera: &Camera, factor: f64) -> Camera {
     Camera { position: camera.target + offset, ..camera.clone() }
 }
 
-/// Whether a light can be moved.
+/// Whether a light can be moved: any but an environment.
 pub(super) fn moves(light: &Light) -> bool {
     !matches!(light.source, Source::Environment { .. })
 }
@@ -64,12 +64,12 @@ pub(super) fn brighten(light: &mut Light, factor: f64) -> Keys {
 }
 
 /// The keys of a light that change when it is turned about `middle`, by degrees to the right and upwards as the camera
-/// sees it. The light itself becomes what a scene file with them has. An image from all around turns about +y.
+/// sees it. The light itself becomes that of a scene file with these keys. An image from all around turns about +y.
 pub(super) fn turn_light(light: &mut Light, camera: &Camera, middle: DVec3, right: f64, up: f64) -> Keys {
     let (across, upwards, _) = camera.basis();
     let turn = DQuat::from_axis_angle(upwards, right.to_radians()) * DQuat::from_axis_angle(across, -up.to_radians());
     let about = |point: DVec3| middle + turn * (point - middle);
-    // As scene files are read.
+    // Rounded as by the reader of scene files.
     let unit = |vector: DVec3| (vector / vector.abs().max_element()).normalize();
     match &mut light.source {
         Source::Directional { direction, .. } => {

@@ -15,7 +15,7 @@ use crate::shading::reflectance::cdrf;
 
 /// The balls of one channel.
 pub struct Channel {
-    /// Its name.
+    /// Red, green or blue.
     pub name: &'static str,
     /// The dipole's curves, one per radius.
     pub dipole: Vec<Curve>,
@@ -40,8 +40,8 @@ impl Channel {
     }
 }
 
-/// Balls of a preset by the dipole and by walks of so many photons a ball and channel, on a device or the CPU; of
-/// the channel's usual radii, or of those that are given, mm.
+/// Balls of a preset, by the dipole and by walks of `photons` photons a ball and channel, on a device or the CPU. Their
+/// radii are those `given`, mm, or else the usual ones of each channel.
 pub fn channels(
     preset: &Preset,
     device: Option<&Device>,

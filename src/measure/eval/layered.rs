@@ -19,7 +19,7 @@ pub(super) const COLUMNS: [&str; 9] = ["light", "layers", "lx", "ly", "lz", "int
 const MOST: usize = 4;
 /// Samples of the march along the ray on a device.
 const STEPS: u32 = 1000;
-/// On a device the march ends where light has dropped to this share.
+/// The share of light at which the march ends on a device.
 const FAINTEST: f64 = 1e-9;
 
 /// Largest coordinate of a point light, thickness and coefficient: squares and products must not overflow.

@@ -35,7 +35,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The columns that it requires.
+    /// The columns that the function requires.
     fn columns(self) -> Vec<&'static str> {
         let medium = ["sigma_s_prime", "sigma_a", "eta"];
         match self {

@@ -61,7 +61,7 @@ impl Solver for Frames {
     }
 }
 
-/// From 0 in each frame.
+/// Opens diffusion that starts from 0 in each frame.
 pub(super) fn diffusion(bench: &Bench<'_>, lighting: Lighting, tolerance: f64) -> Result<Opened> {
     if let Err(why) = closed(bench.scene) {
         return Ok(Opened::NotOffered(why.to_string()));
@@ -70,7 +70,7 @@ pub(super) fn diffusion(bench: &Bench<'_>, lighting: Lighting, tolerance: f64) -
     Frames::open(&scene, bench.device, options, change(lighting))
 }
 
-/// From the last frame's solution.
+/// Opens diffusion that starts from the last frame's solution.
 pub(super) fn diffusion_kept(bench: &Bench<'_>, lighting: Lighting, tolerance: f64) -> Result<Opened> {
     let turned = turned(&bench.scene.lights, 3.0);
     if lighting == Lighting::Rests || turned == bench.scene.lights {
@@ -91,7 +91,7 @@ pub(super) fn diffusion_kept(bench: &Bench<'_>, lighting: Lighting, tolerance: f
 struct Turning {
     /// The method.
     frames: Box<dyn Solver>,
-    /// The lights elsewhere, and the scene's.
+    /// The turned lights, and the scene's own.
     lights: [Vec<Light>; 2],
 }
 
@@ -173,7 +173,7 @@ mod tests {
                 assert!(own.l2 > 0.0 && own.l2 < 1e-3 && total.l2.is_nan(), "{}: {own:?} {total:?}", method.name);
             }
         }
-        // Of turned lights, where one did not turn back.
+        // The errors that there would be if the lights did not turn back.
         let mut elsewhere = scene.clone();
         elsewhere.lights = turned(&scene.lights, 3.0);
         let Opened::Ready(mut solver) =

@@ -49,7 +49,7 @@ pub enum Opened {
 
 /// An opened method.
 pub trait Solver {
-    /// What goes before a frame and is not timed.
+    /// Work before a frame that is not timed.
     fn before(&mut self) -> Result<()> {
         Ok(())
     }

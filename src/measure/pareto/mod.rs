@@ -130,7 +130,7 @@ impl Sweep {
         methods
     }
 
-    /// The references to report: both are equal if every method integrates over its leaves.
+    /// The references to report: one of the two if every method integrates over its leaves, since they are equal then.
     pub fn yardsticks(&self) -> &'static [Against] {
         let exact = self.methods().iter().all(|method| method.leaves == Leaves::Exact);
         if exact { &[Against::Own] } else { &[Against::Own, Against::Total] }

@@ -21,7 +21,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Opens the job and times it once.
+    /// Opens the job and times it.
     pub fn open(device: Option<&Device>) -> Result<Self> {
         let Some(device) = device else { return Self::of(None, 1) };
         let small = Self::of(Some(device), 2)?;

@@ -119,7 +119,7 @@ impl Ratio {
         format!("{} {}", if self.norm == Norm::L2 { "L2" } else { "p99" }, self.against.name())
     }
 
-    /// A row each.
+    /// A table with a row for each.
     pub fn table(ratios: &[Self]) -> Table {
         let time = "wall time of a frame with this error, and its ratio to that of the first method";
         Table::of(

@@ -14,20 +14,20 @@ pub struct Origin {
     pub device: String,
     /// Its driver and the driver's version.
     pub driver: String,
-    /// The scene.
+    /// The scene's name.
     pub scene: String,
-    /// Its faces.
+    /// The number of faces of all objects.
     pub faces: usize,
-    /// Its largest extent, millimetres.
+    /// The scene's largest extent, millimetres, to six digits.
     pub extent_mm: f64,
-    /// Its material.
+    /// Names and coefficients of all materials, in words.
     pub material: String,
     /// Timed frames per point.
     pub repeat: usize,
 }
 
 impl Origin {
-    /// Of a sweep over a scene on a device; `None` for the CPU.
+    /// The origin of a sweep over a scene on a device; `None` for the CPU.
     #[must_use]
     pub fn new(scene: &Scene, device: Option<&Device>, repeat: usize) -> Self {
         Self {
@@ -74,14 +74,14 @@ pub fn csv(sweep: &Sweep, origin: &Origin) -> Result<String> {
     let fronts = [Against::Own, Against::Total].map(|against| mark(sweep, against));
     let points: Vec<(usize, &Point)> = sweep.points.iter().enumerate().collect();
     let known = |x: f64| if x.is_nan() { String::new() } else { format!("{x:.6e}") };
-    let number = |point: &Point, of: &dyn Fn(&Run) -> Option<f64>| {
-        point.run.as_ref().ok().and_then(of).map_or_else(String::new, known)
+    let number = |point: &Point, value: &dyn Fn(&Run) -> Option<f64>| {
+        point.run.as_ref().ok().and_then(value).map_or_else(String::new, known)
     };
     let on_front = |(k, point): &(usize, &Point), front: usize| {
         point.run.as_ref().map_or_else(|_| String::new(), |_| u8::from(fronts[front][*k]).to_string())
     };
     let leaves = |point: &Point| if point.method.leaves == Leaves::Exact { 0.0 } else { sweep.midpoint.l2 };
-    let truth = |point: &Point, of: &dyn Fn(TruthError) -> f64| number(point, &|run| run.truth.map(of));
+    let truth = |point: &Point, value: &dyn Fn(TruthError) -> f64| number(point, &|run| run.truth.map(value));
     let before: [Column<'_, (usize, &Point)>; 27] = [
         ("device", "", &|_| origin.device.clone()),
         ("driver", "", &|_| origin.driver.clone()),

@@ -24,7 +24,7 @@ pub struct Settings {
     pub seed: u64,
     /// Time budget in seconds for all frames of one point, above 0.
     pub budget: f64,
-    /// What a walk found, to compare with as well.
+    /// The result of a walk, to compare with as well.
     pub truth: Option<Truth>,
 }
 
@@ -84,7 +84,7 @@ impl Course<'_> {
         point: &Point,
     ) -> Result<std::result::Result<Run, String>> {
         if self.beyond {
-            return Ok(Err("finer than one beyond the budget".into()));
+            return Ok(Err("finer than a setting beyond the budget".into()));
         }
         let repeat = self.settings.repeat;
         let expected = match (self.seconds.is_empty(), point.method.foretell) {

@@ -16,7 +16,7 @@ use crate::session::choice::closed;
 use crate::session::run::Session;
 use crate::state::{Distance, State, wide};
 
-/// What a method solves.
+/// The equation that a method solves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Equation {
     /// The sum of every triangle's dipole.
@@ -95,8 +95,8 @@ impl Yardstick {
         })
     }
 
-    /// With the solution of the diffusion equation, too, on the CPU at a tenth of this tolerance; without, where there
-    /// is none.
+    /// Adds the solution of the diffusion equation, on the CPU at a tenth of this tolerance; adds nothing without a
+    /// tolerance, or where a mesh is open.
     pub fn with_diffusion(mut self, scene: &Scene, finest: Option<f64>) -> Result<Self> {
         let (Some(finest), Ok(())) = (finest, closed(scene)) else { return Ok(self) };
         let (scene, options) = diffusion_at(scene, 0.1 * finest);
@@ -149,7 +149,7 @@ fn midpoint_alone(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
         Distance::Table1 => Sources::Table1 { clamp: true },
     };
     let corners = |face: usize| data.triangles[face].map(|v| wide(data.positions[v as usize]));
-    let one = |&receiver: &usize| {
+    let at_receiver = |&receiver: &usize| {
         let [a, b, c] = corners(receiver);
         let x = (a + b + c) / 3.0;
         let mut sum = [0.0; 3];
@@ -161,7 +161,7 @@ fn midpoint_alone(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
         }
         sum
     };
-    faces.par_iter().map(one).collect()
+    faces.par_iter().map(at_receiver).collect()
 }
 
 #[cfg(test)]

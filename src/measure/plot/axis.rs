@@ -31,19 +31,19 @@ impl Axis {
         Self { ends: Some([names.len() as f64 - 0.5, -0.5]), names, ..Self::default() }
     }
 
-    /// The same axis from one end to the other; else it shows all points.
+    /// The same axis with these ends; without ends it shows all points.
     #[must_use]
     pub fn within(self, ends: [f64; 2]) -> Self {
         Self { ends: Some(ends), ..self }
     }
 
-    /// Whether a number has a place on it.
+    /// Whether a number has a place on the axis.
     pub(super) fn shows(&self, number: f64) -> bool {
         number.is_finite() && !(self.log && number <= 0.0)
     }
 
-    /// From where to where it goes to show these numbers, with a margin: never empty, and at least a decade of a
-    /// logarithmic one.
+    /// The ends of the axis: its own, or such that it shows these numbers with a margin, a logarithmic axis at least a
+    /// decade.
     pub(super) fn range(&self, numbers: impl Iterator<Item = f64>) -> [f64; 2] {
         let all = numbers.filter(|number| self.shows(*number));
         let all = all.map(|number| if self.log { number.log10() } else { number });

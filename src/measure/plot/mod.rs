@@ -59,11 +59,11 @@ fn words(root: &Area<'_>, text: &str, at: (i32, i32), size: u32) -> Drawn {
 /// Axes, and what is shown between them.
 #[derive(Clone)]
 pub struct Panel {
-    /// The text above it.
+    /// The text above the panel.
     pub title: String,
     /// Its axes: across and upwards.
     pub axes: [Axis; 2],
-    /// What it shows.
+    /// The series that it shows.
     pub series: Vec<Series>,
     /// Its size without its legend, pixels.
     pub size: [i32; 2],
@@ -85,7 +85,7 @@ impl Panel {
         series.points.iter().filter(|point| (0..2).all(|k| self.axes[k].shows(point.place[k])))
     }
 
-    /// Draws it with its upper left corner here and its axes from end to end.
+    /// Draws the panel with its upper left corner here and with these ends of its axes.
     fn draw(&self, root: &Area<'_>, corner: (i32, i32), ends: [[f64; 2]; 2]) -> Drawn {
         let [x, y] = ends.map(|[low, high]| low..high);
         let [a, b] = [0, 1].map(|k| self.axes[k].ticks(ends[k]));
@@ -141,7 +141,7 @@ impl Panel {
     }
 }
 
-/// An axis with labels and lines at these numbers, and with lines only at those.
+/// An axis with labels and lines at the first list of numbers, and with lines only at the second.
 struct Keyed<R> {
     inner: R,
     ticks: [Vec<f64>; 2],
@@ -175,7 +175,7 @@ pub struct Plot {
     pub title: Vec<String>,
     /// The panels, row by row.
     pub panels: Vec<Panel>,
-    /// How many are in a row, where it is more than one.
+    /// The number of panels in a row; 0 counts as 1.
     pub columns: usize,
     /// Whether all have the same axes, and one legend below all of them.
     pub shared: bool,
@@ -231,7 +231,7 @@ impl Plot {
 /// An entry of a legend: the number of its series, and its place.
 type Entry = (usize, (i32, i32));
 
-/// The legend's entries, one for each name, and its height; it has none for one.
+/// The legend's entries, one for each name, and its height; a legend of a single entry is left out.
 fn entries(series: &[Series], wide: i32) -> (Vec<Entry>, i32) {
     let (mut list, mut x, mut y): (Vec<Entry>, _, _) = (Vec::new(), LEFT[0], LINE / 2);
     for (k, Series { name, .. }) in series.iter().enumerate().filter(|(_, series)| !series.name.is_empty()) {

@@ -41,7 +41,7 @@ pub struct Point {
 /// Points that belong together.
 #[derive(Clone)]
 pub struct Series {
-    /// Its name in the legend; none without.
+    /// Its name in the legend, which leaves out a series without a name.
     pub name: String,
     /// How it is drawn.
     pub mark: Mark,
@@ -79,7 +79,7 @@ impl Series {
         self.color.unwrap_or(if self.mark == Mark::Band { BAND } else { COLORS[k % COLORS.len()] })
     }
 
-    /// Draws these points of it as the `k`-th series, at their pixels.
+    /// Draws its points as the `k`-th series of a panel, at the pixels that `at` gives.
     pub(super) fn draw(&self, root: &Area<'_>, k: usize, small: bool, at: &dyn Fn([f64; 2]) -> (i32, i32)) -> Drawn {
         let color = self.color(k);
         let line = self.points.iter().map(|point| at(point.place));

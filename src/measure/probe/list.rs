@@ -10,7 +10,7 @@ pub(super) struct Probe {
     pub(super) what: &'static str,
     /// Whether kernels rely on it.
     pub(super) needed: bool,
-    /// Two terms and a third one.
+    /// The operands of its arithmetic.
     pub(super) terms: [f32; 3],
     /// The answer of each lane, from the numbers and the records.
     pub(super) answer: fn(&Inputs, usize) -> u32,
@@ -20,7 +20,7 @@ pub(super) struct Probe {
 
 const NEAR: f32 = 1.0 + 1.0 / 4096.0;
 
-/// What most probes have in common; each has its own name and answer.
+/// The values that most probes share; each has its own name and answer.
 const PLAIN: Probe = Probe { name: "", what: "", needed: true, terms: [0.0; 3], answer: |_, _| 0, other: |_| None };
 
 pub(super) const PROBES: [Probe; 11] = [

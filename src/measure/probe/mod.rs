@@ -13,9 +13,9 @@ use crate::layout::GROUP_SIZE;
 
 /// The kernel of all probes; a constant picks one.
 pub const NAME: &str = "measure/probe";
-/// What stands for the fixture in results of probes.
+/// The fixture's name in results of probes.
 pub const FIXTURE: &str = "probes";
-/// The command that repeats them.
+/// The command that repeats the probes.
 pub const REPEAT: &str = "milkglass devices --probe";
 
 /// Invocations of the only group.
@@ -24,7 +24,7 @@ const LANES: usize = GROUP_SIZE as usize;
 const ROWS: usize = 300;
 /// As many bytes of push constants as every device takes.
 const PUSHED: [u32; 32] = pushed();
-/// The number of the kernel that as many groups run as an earlier dispatch writes: after the probes.
+/// The number of the kernel whose groups an earlier dispatch counts: the next one after those of the probes.
 const COUNTED: u32 = PROBES.len() as u32;
 
 /// A fact about a device.
@@ -58,7 +58,7 @@ const fn pushed() -> [u32; 32] {
     words
 }
 
-/// Runs all probes on a device. What the validation layer says of one counts as a wrong answer.
+/// Runs all probes on a device. A message of the validation layer counts as a wrong answer.
 pub fn probe(device: &Device) -> Result<Vec<Fact>> {
     let (words, inputs) = (device.words(NAME)?, inputs());
     let _ = device.take_messages();
@@ -129,7 +129,7 @@ fn inputs() -> Inputs {
     Inputs { numbers: seeded(ROWS * LANES), uneven }
 }
 
-/// So many numbers below 2^24, always the same; by them lanes leave their loops at different times.
+/// `count` numbers below 2^24, always the same; they make lanes leave their loops at different times.
 #[must_use]
 pub fn seeded(count: usize) -> Vec<u32> {
     let mut state = 0x2545_f491u32;

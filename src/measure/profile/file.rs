@@ -9,7 +9,7 @@ use crate::measure::rounds::Samples;
 
 /// The version of the format.
 pub const SCHEMA: u32 = 1;
-/// Most bytes of such a file.
+/// Most bytes of a profile's file.
 const MOST: u64 = 1 << 30;
 
 /// What was timed.
@@ -59,19 +59,19 @@ impl Saved {
         format!("milkglass {}{}, {}, {}{replaced}", self.version, commit.unwrap_or_default(), self.device, self.driver)
     }
 
-    /// Fails if this and another run, each with its file or a name of its own, did not time the same.
+    /// Fails if another run did not time the same; `path` is that run's file, or a name in place of one.
     pub fn same_subject(&self, other: &Self, path: &Path) -> Result<()> {
         let (one, two) = (&self.subject, &other.subject);
-        let words = |of: &Subject| {
+        let words = |subject: &Subject| {
             let set = |pair: &String| ("--set", pair.clone());
             let rest = [
-                ("SCENE", of.scene.clone()),
-                ("--frame", of.frame.to_string()),
-                ("--change", of.change.clone()),
-                ("--mode", of.mode.clone()),
-                ("--transport", of.transport.clone()),
+                ("SCENE", subject.scene.clone()),
+                ("--frame", subject.frame.to_string()),
+                ("--change", subject.change.clone()),
+                ("--mode", subject.mode.clone()),
+                ("--transport", subject.transport.clone()),
             ];
-            [rest.to_vec(), of.sets.iter().map(set).collect()].concat()
+            [rest.to_vec(), subject.sets.iter().map(set).collect()].concat()
         };
         let (mine, theirs) = (words(one), words(two));
         let count = mine.len().max(theirs.len());

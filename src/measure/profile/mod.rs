@@ -2,8 +2,8 @@
 //! the device's peak rates.
 //!
 //! Times come from whole frames, with timestamps around each stage. Operations are counted, not estimated: one more
-//! frame runs with instrumented kernels that count how often each block runs (`gpu::count`), and must give the same
-//! bits.
+//! frame runs with instrumented kernels that count how often each block runs (`gpu::count`). It must make the same
+//! lists, and its result may differ by rounding only.
 
 mod agreement;
 pub mod file;
@@ -39,7 +39,7 @@ pub struct Settings {
     pub change: Change,
     /// Number of timed frames, after the warm-up; at least 1.
     pub frames: usize,
-    /// Timing stops after this many seconds, once three frames are timed.
+    /// Timing stops after this many seconds, once three frames, or one start of a comparison, are timed.
     pub enough: f64,
     /// Timing stops once every interval that matters is at most this share wide on either side.
     pub until: Option<f64>,
@@ -58,7 +58,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// How many rounds there are.
+    /// How many rounds are timed, and for how long.
     #[must_use]
     pub fn schedule(&self) -> Schedule {
         Schedule { rounds: self.frames, until: self.until, budget: self.enough, seed: self.seed }

@@ -17,8 +17,8 @@ impl Profile {
     /// CSV with one row per stage; cells are empty where nothing was measured.
     pub fn csv(&self) -> Result<String> {
         let shown = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
-        let device = |row: &Row, of: fn(Quantiles) -> f64| shown(row.device.map(of));
-        let work = |row: &Row, of: fn(Work) -> u64| row.work.map_or_else(String::new, |work| of(work).to_string());
+        let device = |row: &Row, part: fn(Quantiles) -> f64| shown(row.device.map(part));
+        let work = |row: &Row, part: fn(Work) -> u64| row.work.map_or_else(String::new, |work| part(work).to_string());
         let columns: [Column<'_, Row>; 24] = [
             ("scene", "", &|_| self.scene.clone()),
             ("device", "", &|_| self.device.clone()),

@@ -4,9 +4,9 @@ use serde_json::{Value, json};
 
 use super::{Frame, Profile};
 
-/// Frames of a scene as trace events, in microseconds: frames on one track, steps on another, and counters: memory and
-/// links, and the rates that a stage of this name reaches. The clocks of host and device are not aligned, so the steps
-/// are shifted such that the last one ends with its frame.
+/// Frames of a scene as trace events, in microseconds: frames on one track, steps on another, and counters: memory,
+/// links, and what `rates` returns for a stage's name. The clocks of host and device are not aligned, so the steps are
+/// shifted such that the last one ends with its frame.
 pub fn trace<'a>(
     [scene, device, driver]: [&str; 3],
     frames: impl IntoIterator<Item = &'a Frame>,
@@ -56,8 +56,8 @@ impl Profile {
         trace([&self.scene, &self.device, &self.driver], &self.trace, &|stage| self.rates_of(stage))
     }
 
-    /// What a stage reaches on average: billions of additions and multiplications per second, and of bytes read and
-    /// written; none where its work was not counted.
+    /// The mean rates of a stage: billions of additions and multiplications per second, and of bytes read and written;
+    /// none if its work was not counted.
     fn rates_of(&self, stage: &str) -> Vec<(&'static str, f64)> {
         let row = self.rows.iter().find(|row| row.stage == stage);
         let Some((work, seconds)) = row.and_then(|row| Some((row.work?, row.seconds()?))) else { return Vec::new() };

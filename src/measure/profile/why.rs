@@ -32,9 +32,9 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The parts of a stage's time, of which launches and barriers take so much, and copies, multiply-adds and
-    /// exponentials would take so much each. Those overlap, so that only the largest of the three counts, and no more
-    /// than launches and barriers leave.
+    /// The parts of a stage's time, from the shares of it that launches and barriers take, and that copies,
+    /// multiply-adds and exponentials would take each. The last three overlap, so that only the largest of them counts,
+    /// and no more than launches and barriers leave.
     fn of(launches: f64, barriers: f64, rates: [f64; 3]) -> Self {
         let launches = launches.clamp(0.0, 1.0);
         let barriers = barriers.clamp(0.0, 1.0 - launches);
@@ -110,7 +110,7 @@ pub struct FrameParts {
 /// Why a frame takes as long as it does.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Why {
-    /// What the device takes for anything at all, microseconds.
+    /// The least times of a dispatch, a barrier and a submission, microseconds.
     pub overheads_us: Overheads,
     /// Where the frame's time goes, milliseconds.
     pub frame_ms: FrameParts,
@@ -120,7 +120,7 @@ pub struct Why {
     pub stages: Vec<Stage>,
     /// The names of the hardware's counters, where the driver offers some.
     pub counters: Vec<String>,
-    /// Extensions that the driver lacks, and what is missing for it.
+    /// Extensions that the driver lacks, and what is missing without them.
     pub lacks: Vec<String>,
 }
 
@@ -148,9 +148,9 @@ pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile)
     let total: f64 = found.rows.iter().filter_map(|row| Some(row.device?.median)).sum();
     let stages = found.rows.iter().filter_map(|row| {
         let ms = row.device?.median;
-        let counts = |of: fn(&crate::gpu::Timing) -> usize| -> usize {
+        let counts = |count: fn(&crate::gpu::Timing) -> usize| -> usize {
             let last = found.trace.last().map_or(&[][..], |frame| &frame.steps[..]);
-            last.iter().filter(|step| step.name == row.stage).map(of).sum()
+            last.iter().filter(|step| step.name == row.stage).map(count).sum()
         };
         let (dispatches, barriers) = (counts(|step| step.dispatches), counts(|step| step.barriers));
         let own = pipelines.get(row.stage.as_str()).map_or(&[][..], |own| &own[..]);

@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::session::requirements::union;
 use crate::session::run::Session;
 
-/// How far values may be apart that differ by rounding only, L2.
+/// The largest relative L2 difference of results that differ by rounding only.
 const ROUNDING: f64 = 1e-4;
 
 /// The work of a stage in one frame.

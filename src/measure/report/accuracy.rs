@@ -7,7 +7,7 @@ use crate::measure::plot::{Axis, Panel, Series};
 use crate::measure::table::Table;
 use crate::scene::PRESETS;
 
-/// All presets and channels.
+/// Measures all presets and channels.
 pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let effort = Effort { photons: bench.either(2_000, 40_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
     page.say(&format!(

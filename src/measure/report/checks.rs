@@ -129,7 +129,7 @@ fn conform_table(stages: &[Stage], mean: &dyn Fn(&Stage) -> String) -> Table {
     )
 }
 
-/// The extreme cases.
+/// Runs the extreme cases.
 pub fn stress(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(
         "Scenes and form factors at the limits of the input: whether every value is finite, and the error against f64 \
@@ -163,7 +163,7 @@ pub fn stress_table(outcomes: &[Outcome]) -> Table {
             ),
             ("brute L2", "the same of brute force in f32 on the device", &|o| number(o.brute.l2)),
             ("brute max", "its largest error", &|o| number(o.brute.max)),
-            ("brute bounds", "what both may be", &|o| bounds(o.case.brute)),
+            ("brute bounds", "what both errors may be", &|o| bounds(o.case.brute)),
             ("octree L2", "the octree's error, for information: it decides nothing", &|o| {
                 o.octree.map_or("-".into(), |error| number(error.l2))
             }),

@@ -7,7 +7,7 @@ use crate::measure::table::Table;
 #[derive(Debug, Default)]
 pub struct Page {
     body: String,
-    /// What a terminal shows of it: all but plots and pictures.
+    /// The section for a terminal: all but plots and pictures.
     pub text: String,
     /// Name and bytes of each file beside the page.
     pub files: Vec<(String, Vec<u8>)>,
@@ -15,7 +15,7 @@ pub struct Page {
     pub findings: Vec<Finding>,
     /// Verdicts for the front of the page: a short text, what it is about, and its tone.
     pub tiles: Vec<(String, String, Tone)>,
-    /// What the front of the page shows of this section: a chart or pictures, as HTML.
+    /// The section's part of the front of the page: a chart or pictures, as HTML.
     pub front: String,
     /// Checks that failed.
     pub faults: Vec<String>,
@@ -51,7 +51,7 @@ impl Tone {
         if won { Self::Win } else { Self::Loss }
     }
 
-    /// Its style and its word.
+    /// The verdict's style class and its word.
     pub fn mark(self) -> (&'static str, &'static str) {
         match self {
             Self::Win => ("win", "met"),

@@ -13,7 +13,7 @@ use crate::scene::{Camera, PRESETS, Preset, Scene};
 use crate::session::curvature_view::curvature_view;
 use crate::session::run::Session;
 
-/// The whole section.
+/// Writes the whole section.
 pub fn kubo(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     function(page)?;
     table(bench, page)?;
@@ -87,9 +87,9 @@ fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         let sets = bench.either(quick, full);
         for row in table_1(&scene(base, [side; 2], sets)?, bench.device, bench.either(25, 101))? {
             let paper = PAPER.iter().find(|(technique, ..)| *technique == row.technique);
-            let theirs = |of: fn(&(&str, f64, f64)) -> f64| paper.map_or(String::new(), |p| of(p).to_string());
-            let slower = |of: fn(&(&str, f64, f64)) -> f64| {
-                paper.map_or(String::new(), |p| format!("{:.2}", of(&PAPER[0]) / of(p)))
+            let theirs = |fps: fn(&(&str, f64, f64)) -> f64| paper.map_or(String::new(), |p| fps(p).to_string());
+            let slower = |fps: fn(&(&str, f64, f64)) -> f64| {
+                paper.map_or(String::new(), |p| format!("{:.2}", fps(&PAPER[0]) / fps(p)))
             };
             rows.push(vec![
                 name.to_string(),
@@ -222,7 +222,7 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// The error against the dipole, by thickness.
+/// Errors against the dipole, by thickness: where the function can be trusted.
 fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("How far the function can be trusted");
     page.say(

@@ -37,7 +37,7 @@ pub struct Bench<'a> {
     pub device: Option<&'a Device>,
     /// Small scenes and few settings; takes minutes.
     pub quick: bool,
-    /// Keeps a file, by its name, as soon as it is there: what was measured stays when the rest is not.
+    /// Keeps a file, by its name, as soon as it is there: what was measured stays if the run is stopped.
     pub keep: Option<&'a Keep<'a>>,
 }
 
@@ -96,7 +96,7 @@ pub struct Report {
 }
 
 /// Writes these sections; `tell` receives the name of each before it starts. After each its files are kept, then the
-/// page so far; an error is one of keeping them.
+/// page so far; an error means that a file could not be kept.
 pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&str)) -> Result<Report> {
     let about = setting::about(bench);
     let so_far = |written: &[Written]| whole("milkglass report", &about, written, sections.len());

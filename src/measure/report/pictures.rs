@@ -165,9 +165,9 @@ mod tests {
 
     #[test]
     fn flip_sees_what_differs() {
-        let shot = |of: fn(u32) -> u8| Shot {
+        let shot = |level: fn(u32) -> u8| Shot {
             size: [32, 24],
-            bytes: (0..32 * 24).flat_map(|i| [of(i); 3]).collect(),
+            bytes: (0..32 * 24).flat_map(|i| [level(i); 3]).collect(),
             ms: 0.0,
         };
         let (grey, other) = (shot(|i| (i % 32) as u8 * 7), shot(|i| (i % 32) as u8 * 7 + if i > 380 { 30 } else { 0 }));

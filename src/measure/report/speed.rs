@@ -12,12 +12,12 @@ pub fn pareto(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let names: &[&str] = bench.either(&["sphere"], &["sphere", "lotus"]);
     for name in names {
         let sets: &[String] = if bench.quick { &["object.0.detail=3".into()] } else { &[] };
-        one(bench, page, &Scene::load_with(name, sets)?)?;
+        swept(bench, page, &Scene::load_with(name, sets)?)?;
     }
     Ok(())
 }
 
-fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
+fn swept(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
     let settings = Settings {
         methods: METHODS.iter().collect(),
         values: bench.either(3, usize::MAX),
@@ -89,7 +89,7 @@ fn compared(ratio: &Ratio) -> Option<(f64, String)> {
 pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(
         "The time of each stage, and what bounds it. The kernels themselves count their work in one more frame of the \
-         same bits; the device's own rates are measured in the same run. A stage with one share near 100 % is bound by \
+         same result; the device's own rates are measured in the same run. A stage with one share near 100 % is bound by \
          that resource, one without any large share waits.",
     );
     for name in bench.either(&["sphere"][..], &["sphere", "lotus", "fish", "bust"]) {
@@ -115,8 +115,8 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 
 /// The stages of a profile.
 fn profiled(found: &stages::Profile) -> Table {
-    let work = |row: &stages::Row, of: fn(&stages::Work) -> u64| {
-        row.work.map_or_else(String::new, |work| format!("{:.3}", of(&work) as f64 * 1e-6))
+    let work = |row: &stages::Row, count: fn(&stages::Work) -> u64| {
+        row.work.map_or_else(String::new, |work| format!("{:.3}", count(&work) as f64 * 1e-6))
     };
     let share = |row: &stages::Row, k: usize| {
         found.shares(row)[k].map_or_else(String::new, |share| format!("{:.1}", 100.0 * share))
@@ -153,7 +153,7 @@ pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         100.0 * kept::LOCAL
     ));
     let mut rows = Vec::new();
-    // The full lotus of 54,720 triangles took more than a quarter of an hour here on lavapipe.
+    // The full lotus of 54,720 triangles takes more than a quarter of an hour on lavapipe with two cores.
     let scenes: &[_] = bench.either(&[("sphere", "3")], &[("sphere", "5"), ("lotus", "128")]);
     for (name, detail) in scenes {
         let sets = [format!("object.0.detail={detail}")];
@@ -165,8 +165,8 @@ pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             page.find(tone, &aim, &format!("{ratio:.2} of its time (published: 0.28)"));
         }
         for (change, aim) in [("material", 0.6), ("motion", 0.4)] {
-            let of = |row: &&kept::Row| (row.scheme, row.mode, row.change) == ("blocks", "on-the-fly", change);
-            for row in found.iter().filter(of) {
+            let edited = |row: &&kept::Row| (row.scheme, row.mode, row.change) == ("blocks", "on-the-fly", change);
+            for row in found.iter().filter(edited) {
                 let ratio = row.wall_ratio;
                 let aim =
                     (format!("{name}, blocks: an edit of kind {change} takes {aim} of a frame from scratch"), aim);

@@ -11,7 +11,7 @@ use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::Scene;
 use crate::session::run::Session;
 
-/// A shape: its name, as scenes call it, cells for a full and a quick report, and a factor on the thickness.
+/// A shape: its caption, its name in scenes, cells for a full and a quick report, and a factor on the thickness.
 type Shape = (&'static str, &'static str, [u32; 2], f64);
 const SHAPES: [Shape; 3] = [
     ("ball, 20 mm", "sphere", [4, 3], 1.0),
@@ -19,7 +19,7 @@ const SHAPES: [Shape; 3] = [
     ("slab, 20 x 20 x 2 mm", "slab", [40, 24], 0.5),
 ];
 
-/// All of them: 20 mm, under one light that shows two sides of the slab, and from where the camera sees both.
+/// Settings of all shapes: 20 mm, one light that reaches two sides of the slab, and a camera that sees both.
 const COMMON: [&str; 4] = [
     "object.0.size=20",
     "light=[{ type = 'directional', direction = [0.5, 0.3, 0.8], irradiance = 3 }]",
@@ -30,7 +30,7 @@ const COMMON: [&str; 4] = [
 /// The materials.
 const MATERIALS: [&str; 3] = ["marble", "wholemilk", "skin1"];
 
-/// What a method is called, its transport, and whether its picture is shown.
+/// A method's name, its transport, and whether its picture is shown.
 const METHODS: [(&str, ShadingMethod, bool); 4] = [
     ("dipole", ShadingMethod::Hierarchy, true),
     ("diffusion", ShadingMethod::Diffusion, true),
@@ -67,7 +67,8 @@ pub fn truth(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     compare(bench, page, &SHAPES, bench.either(120, 240), effort)
 }
 
-/// Walks through these shapes as far as told, and compares, with pictures of so many pixels a side.
+/// Walks through these shapes with this effort, and compares all methods with the walks; pictures have `side` pixels a
+/// side.
 fn compare(bench: &Bench<'_>, page: &mut Page, shapes: &[Shape], side: u32, effort: &str) -> Result<()> {
     let (mut rows, mut worst) = (Vec::new(), Vec::new());
     for &(shape, name, [full, quick], thinner) in shapes {
@@ -146,7 +147,7 @@ mod tests {
         assert_eq!((name.as_str(), page.files.len()), ("truth.csv", 1));
         let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(table.as_slice());
         let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.unwrap()).collect();
-        let of = |row: &csv::StringRecord, name: &str| {
+        let cell = |row: &csv::StringRecord, name: &str| {
             row[rows[0].iter().position(|n| n == name).unwrap()].parse::<f64>().unwrap()
         };
         let named: Vec<_> = rows[1..].iter().map(|row| [&row[0], &row[1], &row[2]]).collect();
@@ -155,17 +156,17 @@ mod tests {
         assert_eq!(named, all.concat());
         for row in &rows[1..] {
             // Its noise, its photons and its time are the walk's, the same for all methods.
-            assert_eq!(of(row, "photons"), 30_000.0);
-            assert!((1.0..15.0).contains(&of(row, "walk's noise %")) && of(row, "walk, s") > 0.0, "{row:?}");
-            assert!(of(row, "frame, ms") > 0.0 && (0.001..0.9).contains(&of(row, "FLIP")), "{row:?}");
+            assert_eq!(cell(row, "photons"), 30_000.0);
+            assert!((1.0..15.0).contains(&cell(row, "walk's noise %")) && cell(row, "walk, s") > 0.0, "{row:?}");
+            assert!(cell(row, "frame, ms") > 0.0 && (0.001..0.9).contains(&cell(row, "FLIP")), "{row:?}");
         }
         // Diffusion is nearer to the truth in every channel; on the disc what does not scatter sideways is farther.
         for channel in ["red %", "green %", "blue %"] {
             for shape in [0, 4] {
-                let [dipole, diffusion] = [1, 2].map(|row| of(&rows[shape + row], channel));
+                let [dipole, diffusion] = [1, 2].map(|row| cell(&rows[shape + row], channel));
                 assert!((2.0..25.0).contains(&dipole) && diffusion < 0.6 * dipole, "{rows:?}");
             }
-            let [dipole, lambert] = [5, 8].map(|row| of(&rows[row], channel));
+            let [dipole, lambert] = [5, 8].map(|row| cell(&rows[row], channel));
             assert!(lambert > 1.2 * dipole, "{rows:?}");
         }
         // For each shape the walk, and three methods with their differences; one finding.

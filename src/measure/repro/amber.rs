@@ -24,13 +24,13 @@ impl Type {
         if self == Self::Bits { "uint32" } else { "float" }
     }
 
-    /// What is added to names.
+    /// The ending of the names of buffers and pipelines.
     fn ending(self) -> &'static str {
         if self == Self::Bits { "" } else { "_f" }
     }
 }
 
-/// The script; it lies beside the files of the case.
+/// The script, which has to lie beside the files of the case.
 #[must_use]
 pub fn script(case: &Case) -> String {
     let mut text = String::from("#!amber\n");
@@ -109,7 +109,7 @@ pub fn script(case: &Case) -> String {
     text
 }
 
-/// Declares what dispatches bind, and what it is compared with.
+/// Declares the buffers that dispatches bind, and those that they are compared with.
 fn buffers(text: &mut String, case: &Case, kind: Type) {
     for (b, part) in case.buffers.iter().enumerate() {
         let (name, writes) = (&part.name, case.writes(b));
@@ -117,8 +117,8 @@ fn buffers(text: &mut String, case: &Case, kind: Type) {
             continue;
         }
         let mut declare = |name: &str, file: &str| {
-            let (of, count) = (kind.name(), part.before.len());
-            let _ = writeln!(text, "BUFFER {name} DATA_TYPE {of} SIZE {count} FILE BINARY {file}");
+            let (data_type, count) = (kind.name(), part.before.len());
+            let _ = writeln!(text, "BUFFER {name} DATA_TYPE {data_type} SIZE {count} FILE BINARY {file}");
         };
         declare(&format!("{name}{}", kind.ending()), &format!("{name}.before"));
         if kind == Type::Bits && writes && part.allowed.iter().all(|allowed| *allowed == BITS) {
@@ -127,7 +127,7 @@ fn buffers(text: &mut String, case: &Case, kind: Type) {
     }
 }
 
-/// What a written buffer should hold.
+/// Writes what a written buffer must hold.
 fn expectations(text: &mut String, part: &Part) {
     let name = &part.name;
     if part.allowed.iter().all(|allowed| *allowed == BITS) {
@@ -154,7 +154,7 @@ fn expectations(text: &mut String, part: &Part) {
     }
 }
 
-/// Integers, as a line has them.
+/// Integers, separated by spaces.
 fn listed(words: &[u32]) -> String {
     words.iter().map(u32::to_string).collect::<Vec<_>>().join(" ")
 }

@@ -12,7 +12,7 @@ use crate::measure::folder::{CASE, Folder};
 
 /// Most bytes of `replay.json`.
 const MOST_TEXT: u64 = 64 << 20;
-/// Most bytes of another file: as much as bindings are.
+/// Most bytes of another file: no binding is larger.
 const MOST_BYTES: u64 = 1 << 32;
 
 /// A kernel's name as that of a file: `transport-blocks-push`.
@@ -212,7 +212,7 @@ fn about(file: &CaseFile) -> About {
     }
 }
 
-/// The words of a file of the folder; `from` is the file that names it, and how many bytes it has.
+/// The words of a file of the folder; `from` is the file that names it, `size` how many bytes it must have.
 fn words(folder: &Path, from: &Path, name: &str, size: Option<u64>) -> Result<Vec<u32>> {
     if Path::new(name).file_name() != Some(name.as_ref()) {
         let fault = Input::new("not the name of a file").file(from).found(name);

@@ -1,15 +1,15 @@
 //! Which dispatches of a step a failure needs.
 //!
-//! The reference says what a step leaves, not what each of its dispatches does. The first dispatch that leaves a wrong
-//! word, which no later one writes again, is at fault, if all that it reads from earlier ones is as it stays until the
-//! end of the step, and right. Then it stands alone: it begins with what the device had before it, and words that later
-//! dispatches write are not compared. Otherwise the dispatches before it come along.
+//! The reference says what a step leaves, not what each of its dispatches does. At fault is the first dispatch that
+//! leaves a wrong word which no later one writes again. If every word that earlier dispatches have changed for it is
+//! already as the step should leave it, the dispatch stands alone: the case begins with what the device had before it,
+//! and words that later dispatches write are not compared. Otherwise the dispatches before it come along.
 
 use std::collections::BTreeMap;
 
 use super::{ANY, Case, within};
 
-/// Leaves out what a failure does not need. `left` is what each dispatch has left in the buffers that it may write.
+/// Leaves out what a failure does not need; `left` holds what each dispatch left in the buffers that it may write.
 pub(super) fn isolate(mut case: Case, left: &[BTreeMap<usize, Vec<u32>>]) -> Case {
     // The buffers before each dispatch, and after the last one.
     let mut states: Vec<Vec<Vec<u32>>> = vec![case.buffers.iter().map(|part| part.before.clone()).collect()];
@@ -62,7 +62,7 @@ pub(super) fn isolate(mut case: Case, left: &[BTreeMap<usize, Vec<u32>>]) -> Cas
     case
 }
 
-/// Whether all that a dispatch reads and earlier ones have changed is right.
+/// Whether all that earlier dispatches have changed in the buffers of a dispatch is right.
 fn sound_before(case: &Case, states: &[Vec<Vec<u32>>], k: usize) -> bool {
     let mut bound = case.dispatches[k].bindings.iter().map(|binding| binding.buffer);
     bound.all(|b| {

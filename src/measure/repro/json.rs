@@ -25,7 +25,7 @@ pub(super) struct CaseFile {
     pub(super) chosen: String,
     /// Whether the device was beyond tolerance, or did not end.
     pub(super) fails: bool,
-    /// Where it did not end: the seconds within which it should.
+    /// If the device did not end: the limit that it exceeded, seconds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) seconds: Option<f64>,
     pub(super) buffers: Vec<PartFile>,
@@ -51,17 +51,17 @@ pub(super) struct PartFile {
     /// not compared. Without it, all bits must agree.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) allowed: Option<String>,
-    /// The file of what the device left, where it ended.
+    /// The file of what the device left, if it ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) device: Option<String>,
 }
 
-/// Without a word, no invocations share an item.
-fn one() -> u32 {
+/// The default of `lanes`: no invocations share an item.
+fn one_lane() -> u32 {
     1
 }
 
-/// Whether no invocations share an item, which is not said.
+/// Whether no invocations share an item: then the file leaves `lanes` out.
 fn alone(lanes: &u32) -> bool {
     *lanes <= 1
 }
@@ -78,10 +78,10 @@ pub(super) struct DispatchFile {
     /// Words of push constants.
     pub(super) push_constants: Vec<u32>,
     /// Invocations that share an item.
-    #[serde(default = "one", skip_serializing_if = "alone")]
+    #[serde(default = "one_lane", skip_serializing_if = "alone")]
     pub(super) lanes: u32,
     pub(super) groups: [u32; 3],
-    /// The number that the first group takes itself for, across: its SPIR-V was changed to that end.
+    /// The number of the first group, across: the SPIR-V was changed to count from it.
     #[serde(default)]
     pub(super) first_group: u32,
     pub(super) bindings: Vec<BindingFile>,

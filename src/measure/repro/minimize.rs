@@ -1,12 +1,12 @@
-//! Less of a case that shows the same: fewer groups, and buffers that end where the kernels' reach ends.
+//! A smaller case that shows the same failure: fewer groups, and buffers that end where the kernels' reach ends.
 
 use super::{ANY, BITS, Case, Part};
 use crate::error::Result;
 use crate::gpu::count::{BINDING, touching};
 use crate::gpu::{Buffer, Device, interface, shifted};
 
-/// The case with what its failure does not need left out. Whatever would change the failure on this device stays; so
-/// does everything that a case without a failure computes.
+/// The case without what its failure does not need. Whatever would change the failure on this device stays; so does
+/// everything that a case without a failure computes.
 pub fn minimize(case: &Case, device: &Device) -> Result<Case> {
     let full = case.run(device)?;
     let mut least = case.clone();
@@ -90,7 +90,7 @@ fn expect(part: &mut Part, full: &[u32], left: &[u32]) {
     part.device = left.to_vec();
 }
 
-/// Buffers that end where the reach of the kernels ends, as kernels that note it find.
+/// The case with buffers that end where the reach of the kernels ends, which instrumented kernels note.
 fn cut(case: &Case, device: &Device) -> Result<Case> {
     let (mut noting, mut notes, mut more) = (case.clone(), Vec::new(), Vec::new());
     for dispatch in &mut noting.dispatches {

@@ -1,14 +1,14 @@
 //! A dispatch, or a few of them in a row, as files that repeat it on any device without the rest of the program: what
-//! it is given, what it should leave, how far it may be off, and what a device has left.
+//! it is given, what it should leave, how far that may be off, and what a device has left.
 //!
 //! - `trace`: runs a step of a fixture, and makes a [`Case`] of it;
 //! - `isolate`: leaves those dispatches out that have no part in a failure;
 //! - `together`: looks for failures that need the dispatches in one submission;
 //! - `unfinished`: cases of dispatches that do not end, made before they run;
-//! - `minimize`: leaves groups and ends of buffers out that have none;
+//! - `minimize`: leaves groups and ends of buffers out that have no part in it;
 //! - `run`: runs a case on a device, and compares;
 //! - `files`, `json`: a case as a folder, and back;
-//! - `amber`: the same as an AmberScript.
+//! - `amber`: a case as an AmberScript.
 
 pub mod amber;
 pub mod files;
@@ -25,7 +25,7 @@ pub const ANY: f32 = -2.0;
 /// The word must agree bit for bit.
 pub const BITS: f32 = -1.0;
 
-/// What can be repeated.
+/// Dispatches that can be repeated.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Case {
     /// Where it comes from.
@@ -57,8 +57,8 @@ pub struct About {
     pub dispatches: String,
     /// Whether that device was beyond tolerance, or did not end.
     pub fails: bool,
-    /// Where it did not end, by a hang, a crash or the loss of the device: within how many seconds two runs in a
-    /// process of their own should.
+    /// If that device did not end, by a hang, a crash or its loss: the limit for two runs in a process of their own,
+    /// seconds.
     pub seconds: Option<f64>,
 }
 
@@ -93,11 +93,11 @@ pub struct Dispatch {
     pub constants: Vec<u32>,
     /// Its push constants.
     pub push: Vec<u32>,
-    /// Invocations that share an item; 0 as 1.
+    /// Invocations that share an item; 0 counts as 1.
     pub lanes: u32,
     /// Groups in each dimension.
     pub groups: [u32; 3],
-    /// The number that the first group takes itself for, across; not 0 where the SPIR-V was changed to that end.
+    /// The number of the first group, across; not 0 where the SPIR-V was changed to count from it.
     pub first_group: u32,
     /// What it binds.
     pub bindings: Vec<Bound>,
@@ -164,8 +164,8 @@ impl Case {
     /// Groups of all dispatches.
     #[must_use]
     pub fn groups(&self) -> u64 {
-        let of = |dispatch: &Dispatch| dispatch.groups.iter().map(|&count| u64::from(count)).product::<u64>();
-        self.dispatches.iter().map(of).sum()
+        let groups = |dispatch: &Dispatch| dispatch.groups.iter().map(|&count| u64::from(count)).product::<u64>();
+        self.dispatches.iter().map(groups).sum()
     }
 }
 

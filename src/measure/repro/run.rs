@@ -9,7 +9,7 @@ use super::{Case, Dispatch, Part};
 use crate::error::{Error, Result};
 use crate::gpu::{Binding, Buffer, Device, Kernel, Recorder, Work, shifted};
 
-/// What a device made of a case.
+/// The result of a case on a device.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Found {
     /// Wrong words of each buffer that has any: the buffer's name, their number, and the first of them in words.
@@ -34,7 +34,7 @@ impl Case {
         self.run_with(device, &[])
     }
 
-    /// The same with one more buffer bound in each dispatch.
+    /// Like [`Self::run`], with one more buffer bound in each dispatch.
     pub(super) fn run_with(&self, device: &Device, more: &[(u32, Buffer)]) -> Result<Vec<Vec<u32>>> {
         let mut buffers = Vec::with_capacity(self.buffers.len());
         for part in &self.buffers {
@@ -77,7 +77,7 @@ impl Case {
         Ok(left)
     }
 
-    /// Runs it this many times, and compares each time; stops at the first run with a difference.
+    /// Runs the case this many times, and compares each time; stops at the first run with a difference or a message.
     pub fn replay(&self, device: &Device, times: usize) -> Result<Found> {
         let mut found = Found::default();
         let able = |device: Device, dispatch: &Dispatch| device.able(&dispatch.kernel, &dispatch.spirv);
@@ -111,7 +111,7 @@ impl Case {
         found
     }
 
-    /// The same with another SPIR-V in place of a kernel's; an error if it does not run that kernel.
+    /// The case with other SPIR-V in place of a kernel's; an error if the case does not run that kernel.
     pub fn replacing(mut self, kernel: &str, words: &[u32]) -> Result<Self> {
         let mut found = false;
         for dispatch in self.dispatches.iter_mut().filter(|dispatch| dispatch.kernel == kernel) {

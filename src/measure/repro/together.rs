@@ -1,7 +1,7 @@
 //! Failures that dispatches show only together.
 //!
-//! A trace runs the dispatches of a step one at a time, and waits for each. What comes of a barrier that is missing or
-//! has no effect is not to be seen there, but in one submission, and perhaps not in each.
+//! A trace runs the dispatches of a step one at a time, and waits for each. The effect of a barrier that is missing or
+//! does nothing does not show there, but in one submission of all, and perhaps not in each.
 
 use super::Case;
 use crate::error::Result;
@@ -9,8 +9,8 @@ use crate::error::Result;
 /// Runs of all dispatches in one submission.
 const RUNS: usize = 8;
 
-/// A case whose dispatches are right one at a time: with the results of the first run in one submission in which they
-/// are not, if there is one. All of its dispatches stay.
+/// Runs a case, whose dispatches are right one at a time, in one submission. If a run is wrong, the case gets its
+/// results. All dispatches stay.
 pub(super) fn together(mut case: Case, mut run: impl FnMut(&Case) -> Result<Vec<Vec<u32>>>) -> Result<Case> {
     for number in 1..=RUNS {
         let left = run(&case)?;

@@ -47,7 +47,7 @@ impl Begun {
         Ok(Some((self.whole(device, fixture, &list)?, list)))
     }
 
-    /// Runs them one at a time.
+    /// Runs the dispatches one at a time; `told` gets those that have run, and the next one before it runs.
     pub(super) fn trace(&self, told: &mut dyn FnMut(&Trace, &Traced) -> Result<()>) -> Result<Trace> {
         self.device_state.trace(&self.before, self.step, told)
     }
@@ -57,8 +57,8 @@ impl Begun {
     }
 }
 
-/// The step of this index in a fixture, as the device runs it: those of its dispatches that a failure needs, or all of
-/// them where there is none. None where the step dispatches nothing.
+/// The case of the step of this index in a fixture: those of its dispatches that a failure needs, or all of them if the
+/// device is right. None if the step dispatches nothing.
 pub fn case(device: &Device, fixture: &Fixture, index: usize) -> Result<Option<Case>> {
     let Some(begun) = begin(device, fixture, index)? else { return Ok(None) };
     let trace = begun.trace(&mut |_, _| Ok(()))?;
@@ -68,7 +68,7 @@ pub fn case(device: &Device, fixture: &Fixture, index: usize) -> Result<Option<C
     let whole = begun.whole(device, fixture, &trace)?;
     let left: Vec<_> = trace.dispatches.iter().map(|dispatch| left(&trace, dispatch)).collect();
     let case = isolate(whole, &left);
-    // Right one at a time: what is wrong may need them in one submission.
+    // All are right one at a time: a failure may need them in one submission.
     if case.about.fails { Ok(Some(case)) } else { together(case, |case| case.run(device)).map(Some) }
 }
 
@@ -88,7 +88,7 @@ pub(super) fn left(trace: &Trace, dispatch: &Traced) -> BTreeMap<usize, Vec<u32>
     dispatch.after.iter().map(|(slot, bytes)| (index(slot), words(bytes))).collect()
 }
 
-/// Whole words; buffers have no others.
+/// The words of these bytes; buffers consist of whole words.
 fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
@@ -119,7 +119,7 @@ fn whole(device: &Device, fixture: &Fixture, (step, state): (Step, &State), trac
             before: words(before),
             ..Part::default()
         };
-        // The reference has no guards: those stay.
+        // The reference has no guard bytes: they must stay as they are.
         let own = words(state.data.bytes(*slot).get(*first as usize..).unwrap_or_default());
         part.expected = part.before.clone();
         let (_, bound) = state.part(*slot, step.at);
@@ -158,7 +158,7 @@ fn whole(device: &Device, fixture: &Fixture, (step, state): (Step, &State), trac
     Ok(case)
 }
 
-/// The next single that is not below; what is no number, as of poison that stays, allows nothing but the same bits.
+/// The least `f32` that is not below; a value that is not finite, as from poison that stays, allows only the same bits.
 fn up(value: f64) -> f32 {
     if !value.is_finite() {
         return BITS;

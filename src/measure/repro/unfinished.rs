@@ -1,5 +1,5 @@
 //! Cases of dispatches that do not end. A hang, a crash or a lost device leaves no time to write a case afterwards, so
-//! each is told before it runs.
+//! each is handed out before it runs.
 
 use super::isolate::drop_unbound;
 use super::minimize::{grouped, searched};
@@ -14,7 +14,7 @@ use crate::measure::fixtures::Fixture;
 const RUNS: usize = 2;
 
 /// Runs the step of this index in a fixture: its dispatches one at a time, then all in one submission. `told` gets the
-/// case of what runs next before it does. What runs at the end, if it ends at all, is the whole step.
+/// case of the next dispatch before it runs, and at the end, if that is reached, the case of the whole step.
 pub fn run_told(
     device: &Device,
     fixture: &Fixture,
@@ -37,7 +37,7 @@ pub fn run_told(
             }
         }
         done = trace.dispatches.len();
-        // Where the device counts other groups than the reference, what is wrong is not in this dispatch.
+        // Where the device counts other groups than the reference, an earlier dispatch is wrong.
         let same = |k: &usize| list.dispatches[*k].kernel == next.kernel && list.dispatches[*k].groups == next.groups;
         let index = Some(done).filter(|k| *k < count).filter(same);
         told(&index.map_or_else(|| whole.clone(), |k| beginning(&whole, &now, k)))
@@ -49,9 +49,9 @@ pub fn run_told(
     Ok(())
 }
 
-/// The case that begins with dispatch `k` of a step, `now` being what the buffers hold: it alone where it has the last
-/// word on what it writes, with all after it where not. Where earlier ones have left what is not right at the end, all
-/// of them.
+/// The case that begins with dispatch `k` of a step; `now` is what the buffers hold before it. The dispatch is alone if
+/// no later one writes the same buffers; otherwise all later ones follow. If earlier ones have left words that are not
+/// right at the end, the case has all dispatches.
 fn beginning(whole: &Case, now: &[Vec<u32>], k: usize) -> Case {
     let (mut case, count) = (whole.clone(), whole.dispatches.len());
     let sound = case.buffers.iter().zip(now).all(|(part, now)| {
@@ -88,8 +88,8 @@ fn beginning(whole: &Case, now: &[Vec<u32>], k: usize) -> Case {
     case
 }
 
-/// The case with fewer groups, if those still do not end, as `stays` finds. What the groups that are left out should
-/// have written is not known, so words that are to change are not compared: the case passes where it ends.
+/// The case with fewer groups, if those still do not end, as `stays` finds. It is not known what the groups that are
+/// left out should have written, so words that should change are not compared: the case passes if it ends.
 pub fn least(case: &Case, stays: &mut dyn FnMut(&Case) -> Result<bool>) -> Result<Case> {
     let [dispatch] = &case.dispatches[..] else { return Ok(case.clone()) };
     let [across, 1, 1] = dispatch.groups else { return Ok(case.clone()) };

@@ -4,7 +4,7 @@ use super::{Outcome, Results};
 use crate::error::{Error, Input, Result};
 use crate::measure::bias::Bias;
 
-/// From when on a shift within tolerance is reported.
+/// Shifts within tolerance are reported if they are larger than these.
 #[derive(Clone, Copy, Debug)]
 pub struct Thresholds {
     /// Change of a field's mean signed relative difference, beyond five standard errors of it.
@@ -24,13 +24,13 @@ impl Default for Thresholds {
 /// How a comparison has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
-    /// It was good and is not.
+    /// It fails, and did not fail before or is not in the first results.
     Failure,
-    /// It was not good and is.
+    /// It failed, and conforms now.
     Mended,
     /// It fails in another way.
     OtherFailure,
-    /// It is in the second results only.
+    /// It is in the second results only, and conforms.
     Added,
     /// It is in the first results only.
     Missing,
@@ -41,7 +41,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds, in the order of a report.
     pub const ALL: [Self; 7] =
         [Self::Failure, Self::Mended, Self::OtherFailure, Self::Added, Self::Missing, Self::Shift, Self::Bits];
 
@@ -63,20 +63,20 @@ impl Kind {
 /// A change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
-    /// How.
+    /// How the comparison has changed.
     pub kind: Kind,
-    /// The device of the second results, or of the first where it is in those only.
+    /// The device of the second results, or of the first if the comparison is in those only.
     pub device: String,
     /// The fixture.
     pub fixture: String,
     /// The stage.
     pub stage: String,
-    /// What, in words.
+    /// What has changed, in words.
     pub what: String,
 }
 
-/// All changes from `a` to `b`, by kind. Devices go by their names; where each results are of one device, the names do
-/// not matter.
+/// All changes from `a` to `b`, by kind. Devices are told apart by their names; the names do not matter if both results
+/// are of one device each.
 pub fn changes(a: &Results, b: &Results, thresholds: &Thresholds) -> Result<Vec<Change>> {
     let names = |results: &Results| {
         let mut names: Vec<String> = results.results.iter().map(|outcome| outcome.device.clone()).collect();
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
     use crate::measure::results::Verdict;
 
-    fn one(device: &str, change: impl Fn(&mut Outcome)) -> Results {
+    fn results(device: &str, change: impl Fn(&mut Outcome)) -> Results {
         let mean = Bias { buffer: "radiosity".into(), count: 1000, sum: 1e-6, squares: 1e-15, ..Bias::default() };
         let mut outcome = Outcome {
             device: device.into(),
@@ -188,30 +188,30 @@ mod tests {
 
     #[test]
     fn each_change_has_its_kind() {
-        let old = one("a", |_| {});
-        let wrong = one("b", |outcome| outcome.verdict = Verdict::Differs);
-        assert_eq!(kinds(&old, &one("b", |_| {})), []);
+        let old = results("a", |_| {});
+        let wrong = results("b", |outcome| outcome.verdict = Verdict::Differs);
+        assert_eq!(kinds(&old, &results("b", |_| {})), []);
         assert_eq!(kinds(&old, &wrong), [Kind::Failure]);
         assert_eq!(kinds(&wrong, &old), [Kind::Mended]);
-        assert_eq!(kinds(&wrong, &one("b", |outcome| outcome.verdict = Verdict::Hung)), [Kind::OtherFailure]);
+        assert_eq!(kinds(&wrong, &results("b", |outcome| outcome.verdict = Verdict::Hung)), [Kind::OtherFailure]);
         assert_eq!(
-            kinds(&old, &one("a", |outcome| outcome.hashes = [("radiosity".into(), "2".into())].into())),
+            kinds(&old, &results("a", |outcome| outcome.hashes = [("radiosity".into(), "2".into())].into())),
             [Kind::Bits]
         );
-        assert_eq!(kinds(&old, &one("a", |outcome| outcome.of_tolerance = Some(0.31))), [Kind::Shift]);
-        assert_eq!(kinds(&old, &one("a", |outcome| outcome.of_tolerance = Some(0.29))), []);
-        assert_eq!(kinds(&old, &one("a", |outcome| outcome.histogram[4] = 5)), [Kind::Shift]);
-        assert_eq!(kinds(&old, &one("a", |outcome| outcome.means[0].sum = 3e-4)), [Kind::Shift]);
-        assert_eq!(kinds(&old, &one("a", |outcome| outcome.means[0].sum = 1e-4)), []);
-        let other = one("a", |outcome| outcome.stage = "t".into());
+        assert_eq!(kinds(&old, &results("a", |outcome| outcome.of_tolerance = Some(0.31))), [Kind::Shift]);
+        assert_eq!(kinds(&old, &results("a", |outcome| outcome.of_tolerance = Some(0.29))), []);
+        assert_eq!(kinds(&old, &results("a", |outcome| outcome.histogram[4] = 5)), [Kind::Shift]);
+        assert_eq!(kinds(&old, &results("a", |outcome| outcome.means[0].sum = 3e-4)), [Kind::Shift]);
+        assert_eq!(kinds(&old, &results("a", |outcome| outcome.means[0].sum = 1e-4)), []);
+        let other = results("a", |outcome| outcome.stage = "t".into());
         assert_eq!(kinds(&old, &other), [Kind::Added, Kind::Missing]);
     }
 
     #[test]
     fn devices_are_told_apart_where_there_are_several() {
-        let (a, b) = (one("a", |_| {}), one("b", |outcome| outcome.verdict = Verdict::Differs));
+        let (a, b) = (results("a", |_| {}), results("b", |outcome| outcome.verdict = Verdict::Differs));
         let both = Results { results: [a.results.clone(), b.results.clone()].concat(), ..Results::default() };
         assert_eq!(kinds(&both, &b), [Kind::Missing]);
-        assert!(changes(&both, &one("c", |_| {}), &Thresholds::default()).is_err());
+        assert!(changes(&both, &results("c", |_| {}), &Thresholds::default()).is_err());
     }
 }

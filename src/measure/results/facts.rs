@@ -1,4 +1,4 @@
-//! What results say of a device.
+//! What results say of a device and its system.
 
 use std::collections::BTreeMap;
 use std::env::consts::{ARCH, OS};
@@ -31,7 +31,7 @@ pub struct DeviceFacts {
     pub driver_version: u32,
     /// The limits that matter here, by name.
     pub limits: BTreeMap<String, u64>,
-    /// What its probes have found.
+    /// The results of its probes.
     #[serde(default)]
     pub probes: Vec<Fact>,
 }
@@ -80,14 +80,14 @@ impl DeviceFacts {
         }
     }
 
-    /// The device as a report on it names it.
+    /// The device as a bug report names it.
     #[must_use]
     pub fn device(&self) -> String {
         let size = self.limits.get("subgroup_size").copied().unwrap_or(0);
         format!("{} ({:#06x}:{:#06x}), subgroups of {size}", self.name, self.vendor_id, self.device_id)
     }
 
-    /// The driver, likewise.
+    /// The driver as a bug report names it.
     #[must_use]
     pub fn own_driver(&self) -> String {
         format!("{} (version {:#x}, Vulkan {})", self.driver, self.driver_version, self.vulkan)

@@ -54,7 +54,7 @@ pub enum Verdict {
     /// Within tolerance.
     #[default]
     Conforms,
-    /// Beyond it.
+    /// Beyond tolerance, or wrong in another way that a comparison finds.
     Differs,
     /// The process took longer than it may.
     Hung,
@@ -65,13 +65,13 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Whether it is good.
+    /// Whether the comparison conforms.
     #[must_use]
     pub fn passes(self) -> bool {
         self == Self::Conforms
     }
 
-    /// Its name in tables: in capitals where it is not good.
+    /// Its name in tables: in capitals unless the comparison conforms.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -95,11 +95,11 @@ pub struct Outcome {
     pub fixture: String,
     /// The stage; empty where none had begun.
     pub stage: String,
-    /// What it came to.
+    /// The verdict.
     pub verdict: Verdict,
     /// Everything found wrong.
     pub faults: Vec<String>,
-    /// Why it is known to fail, where it is.
+    /// Why it is known to fail, if it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub known: Option<String>,
     /// The command that repeats it.
@@ -136,7 +136,7 @@ pub struct Outcome {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Line {
-    /// The first one.
+    /// The run: the first line.
     Run(Run),
     /// A comparison begins: fixture and stage.
     Begins(String, String),
@@ -149,7 +149,7 @@ pub enum Line {
 pub struct Results {
     /// What was run.
     pub run: Run,
-    /// What came of it.
+    /// The outcomes of all comparisons, in order.
     pub results: Vec<Outcome>,
 }
 

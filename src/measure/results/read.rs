@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{Line, Results, SCHEMA};
 use crate::error::{Error, Input, Result};
 
-/// Most bytes of such a file.
+/// Most bytes of a file of results.
 const MOST: u64 = 1 << 30;
 
 /// The results of a file that `conform --json` or `conform --jsonl` wrote.

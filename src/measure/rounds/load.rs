@@ -1,15 +1,15 @@
-//! What other programs take of the machine while something is timed, as Linux counts it.
+//! The processor time that other programs take while something is timed, as Linux counts it.
 
 use std::fs::read_to_string;
 
 /// Counts of processor time in ticks: since the machine started, or over some time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Load {
-    /// Of the processes that are timed.
+    /// Ticks of the processes that are timed.
     own: f64,
-    /// Of all processes.
+    /// Ticks of all processes.
     busy: f64,
-    /// Of all processors, whether at work or not.
+    /// Ticks of all processors, whether at work or not.
     all: f64,
     /// Number of processors.
     cores: f64,
@@ -47,7 +47,7 @@ impl Load {
         Self { own: self.own + own, busy: self.busy + busy, all: self.all + all, cores: *cores }
     }
 
-    /// How many processors others kept busy on average over this time.
+    /// How many processors other programs kept busy on average over this time.
     pub(super) fn others(&self) -> f64 {
         ((self.busy - self.own) * self.cores / self.all.max(1.0)).max(0.0)
     }

@@ -4,7 +4,7 @@
 //! A [`Variant`] runs a frame and says what its stages took: a session in this process, or another process. The same
 //! program started twice has times that differ by a percent for as long as both run, because memory and code lie
 //! elsewhere. So [`compare`] starts all variants anew after a few rounds, and a start counts as one piece of evidence.
-//! What comes of it are [`Samples`], which know their medians and ratios, and are what a file holds.
+//! The results are [`Samples`], which know their medians and ratios, and which a file holds.
 
 mod load;
 mod ratios;
@@ -25,15 +25,15 @@ use crate::gpu::Timing;
 use crate::pipeline::plan::Change;
 use crate::session::run::Session;
 
-/// Rounds of a comparison, where nothing else is asked for.
+/// Rounds of a comparison by default.
 pub const ROUNDS: usize = 16 * EACH;
-/// Rounds after each start of what is compared, at most.
+/// Most rounds after each start of the variants.
 pub const EACH: usize = 8;
-/// Starts of a comparison, at least.
+/// Fewest starts of a comparison, unless the budget ends it.
 pub const STARTS: usize = 9;
 /// Rounds, or starts, after which the intervals are looked at first.
 const FIRST: usize = 11;
-/// Rounds that are measured however long they take.
+/// Rounds of a single variant that are measured however long they take.
 const FEWEST: usize = 3;
 
 /// A timed frame.
@@ -51,7 +51,7 @@ pub struct Frame {
     pub links: Option<u64>,
 }
 
-/// One of those that are compared, warmed up.
+/// A variant that is timed, warmed up.
 pub trait Variant {
     /// Runs a frame.
     fn frame(&mut self) -> Result<Frame>;
@@ -83,20 +83,20 @@ impl Variant for InProcess {
     }
 }
 
-/// How many rounds there are.
+/// How many rounds are timed, and for how long.
 #[derive(Clone, Copy, Debug)]
 pub struct Schedule {
-    /// At most so many; at least 1.
+    /// Most rounds, at least 1; [`compare`] runs more where its fewest starts take more.
     pub rounds: usize,
     /// Ends once every interval that matters ([`Samples::widest`]) is at most this share wide on either side.
     pub until: Option<f64>,
-    /// Ends after this many seconds, once three rounds are measured.
+    /// Ends after this many seconds, once three rounds, or one start of a comparison, are measured.
     pub budget: f64,
     /// The seed of the order and of the bootstrap.
     pub seed: u64,
 }
 
-/// One of those that are compared, and how it is started.
+/// A variant that is compared, and how it is started.
 pub struct Starter<'a> {
     /// Its name in tables.
     pub name: String,
@@ -104,7 +104,7 @@ pub struct Starter<'a> {
     pub start: Box<dyn FnMut() -> Result<Box<dyn Variant + 'a>> + 'a>,
 }
 
-/// What a comparison is going to take, as its first start shows.
+/// How long a comparison is going to take, as its first start shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Forecast {
     /// Starts, if neither the budget nor a narrow interval ends it.
@@ -117,7 +117,7 @@ pub struct Forecast {
     pub fewest: [usize; 2],
 }
 
-/// What rounds gave.
+/// The result of rounds.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
     /// The times.
@@ -156,7 +156,7 @@ impl Rounds {
         }
     }
 
-    /// Runs rounds of these variants until they have had enough of them.
+    /// Runs rounds of these variants until `enough` holds.
     fn run(&mut self, variants: &mut [&mut dyn Variant], enough: &mut dyn FnMut(&mut Self) -> bool) -> Result<()> {
         let processes: Vec<u32> = variants.iter().map(|variant| variant.process()).collect();
         let before = Load::now(&processes);
@@ -221,7 +221,7 @@ pub fn run(variant: &mut dyn Variant, schedule: &Schedule) -> Result<Measured> {
 
 /// Runs rounds of variants that are started anew at least [`STARTS`] times, and so often that all ratios have
 /// intervals: a ninth of the schedule's rounds after each start, [`EACH`] at most. What `edited` stages show is judged
-/// by itself. Tells what is to come after the first start.
+/// by itself. After the first start it tells how long the others will take.
 pub fn compare(
     starters: &mut [Starter<'_>],
     schedule: &Schedule,
@@ -244,7 +244,7 @@ pub fn compare(
     Ok(rounds.measured())
 }
 
-/// Runs the schedule's rounds of variants that are started anew after so many of them.
+/// Runs the schedule's rounds of variants, which are started anew after every `each` rounds.
 pub fn compare_each(starters: &mut [Starter<'_>], schedule: &Schedule, each: usize) -> Result<Measured> {
     let mut rounds = Rounds::new(names(starters), each, schedule);
     for starts in 1.. {

@@ -20,12 +20,12 @@ pub struct Ratio {
     /// The second to the first; all intervals of a family, the edited stages or the other rows of a comparison, hold
     /// together with 95 %.
     pub ratio: Interval,
-    /// Rounds that are missing for an interval with two ends, about; 0 where it has them.
+    /// About how many rounds are missing for an interval with two ends; 0 if it has them.
     pub missing_rounds: usize,
 }
 
 impl Ratio {
-    /// What it shows: `slower` or `faster`, or nothing where the interval holds 1.
+    /// What it shows: `slower` or `faster`; none if the interval holds 1.
     #[must_use]
     pub fn finding(&self) -> Option<&'static str> {
         self.ratio.excludes(1.0).then_some(if self.ratio.value > 1.0 { "slower" } else { "faster" })
@@ -44,7 +44,7 @@ impl Ratio {
     }
 }
 
-/// What both have, in the order of the first.
+/// The names that both series have, in the order of the first.
 fn shared<'a>(first: &'a Series, other: &Series) -> Vec<&'a str> {
     first.names().filter(|name| other.names().any(|known| known == *name)).collect()
 }
@@ -64,7 +64,7 @@ impl Samples {
         })
     }
 
-    /// What only one of two has.
+    /// The names that only one of two series has.
     #[must_use]
     pub fn unshared(first: &Series, other: &Series) -> Vec<String> {
         let only = |one: &Series, two: &Series| -> Vec<String> {
@@ -106,7 +106,7 @@ impl Samples {
     pub fn ratios(&self) -> Vec<Vec<Ratio>> {
         let Some((first, others)) = self.variants.split_first() else { return Vec::new() };
         let starts = self.starts(&first.frame_ms).len();
-        let one = |other: &Series, what: &str| {
+        let row = |other: &Series, what: &str| {
             let confidence = self.confidence(what);
             let ratio = self.paired(first, other, what, confidence)?;
             let missing = fewest_pairs(confidence).saturating_sub(starts).max(1) * self.each;
@@ -117,7 +117,7 @@ impl Samples {
                 missing_rounds: if ratio.high.is_finite() { 0 } else { missing },
             })
         };
-        let all = |other| shared(first, other).into_iter().filter_map(|what| one(other, what)).collect();
+        let all = |other| shared(first, other).into_iter().filter_map(|what| row(other, what)).collect();
         others.iter().map(all).collect()
     }
 

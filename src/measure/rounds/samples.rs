@@ -10,7 +10,7 @@ use crate::measure::statistics::{drift, median, warm_up};
 pub struct Samples {
     /// The seed of the order and of the bootstrap.
     pub seed: u64,
-    /// How long all rounds took.
+    /// How long all rounds took, seconds.
     pub seconds: f64,
     /// Rounds after each start of the variants; all rounds where they were started once.
     pub each: usize,
@@ -73,7 +73,7 @@ impl Series {
         Self { name: name.into(), frame_ms: frames.iter().map(|frame| frame.wall).collect(), stages }
     }
 
-    /// What has times: the stages, their sum where there is one, and the frame.
+    /// The names of what has times: the stages, their sum if there are any, and the frame.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         let sum = (!self.stages.is_empty()).then_some(STAGES);
         self.stages.iter().map(|times| times.stage.as_str()).chain(sum).chain([FRAME])
@@ -108,7 +108,8 @@ impl Samples {
         let variants: Vec<Series> = names.iter().zip(frames).map(|(name, frames)| Series::of(name, frames)).collect();
         let rounds = frames.first().map_or(0, Vec::len);
         let each = each.clamp(1, rounds.max(1));
-        // A round's time is the product of its variants' times: all are dropped together, and none counts more.
+        // A round's time is the geometric mean of its variants' times, in which none counts more: a round is dropped
+        // for all variants together.
         let known: Vec<Vec<f64>> =
             variants.iter().filter_map(|variant| variant.times(STAGES).or_else(|| variant.times(FRAME))).collect();
         let whole = |round: usize| known.iter().map(|times| times[round].ln()).sum::<f64>();

@@ -43,7 +43,7 @@ fn two(factor: f64, noise: f64, schedule: &Schedule) -> Measured {
     edited(factor, noise, schedule, &[]).0
 }
 
-/// The same with these edited stages, and what was told after the first start.
+/// Two such variants with these edited stages, and what was told after the first start.
 fn edited(factor: f64, noise: f64, schedule: &Schedule, stages: &[&str]) -> (Measured, Forecast) {
     let starter = |name: &str, seed: u64, factor: f64| {
         let mut seeds = Random::of(seed);

@@ -9,7 +9,7 @@ use super::{Interval, Random, median};
 
 /// Least number of resamples.
 const RESAMPLES: f64 = 2000.0;
-/// Beyond so many samples resampling alone finds a median's interval.
+/// With more samples than this, resampling alone finds a median's interval.
 const MANY: usize = 200;
 /// Fewest samples on either side for an interval of a ratio of medians.
 pub const FEWEST: usize = 20;
@@ -69,7 +69,7 @@ fn interval(value: f64, confidence: f64, mut again: impl FnMut() -> f64) -> Inte
     Interval { value, low: values[beyond], high: values[count - 1 - beyond] }
 }
 
-/// As many samples again, in blocks from random places.
+/// As many samples as these, drawn in blocks from random places.
 fn resampled(samples: &[f64], random: &mut Random) -> Vec<f64> {
     let (count, block) = (samples.len(), (samples.len() as f64).cbrt().round() as usize);
     let mut drawn = Vec::with_capacity(count + block);

@@ -54,7 +54,7 @@ pub fn each_of(together: f64, count: usize) -> f64 {
     1.0 - (1.0 - together) / count.max(1) as f64
 }
 
-/// The median, the mean of the middle two where there is no middle one; not a number for an empty list, or if a value
+/// The median: the mean of the middle two for an even number of values; not a number for an empty list, or if a value
 /// is not a number.
 #[must_use]
 pub fn median(mut values: Vec<f64>) -> f64 {

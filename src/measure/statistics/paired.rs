@@ -9,7 +9,7 @@
 
 use super::Interval;
 
-/// Up to here the test's distribution is computed, beyond it is that of Gauss, whose tails are a little heavier.
+/// Up to this many pairs the test's distribution is computed; beyond, it is Gaussian, with slightly heavier tails.
 const EXACT: usize = 64;
 
 /// The ratio of the second to the first of each pair, and its interval of this confidence: from 0 to infinity where
@@ -65,8 +65,8 @@ fn mean(sorted: &[f64], k: usize) -> f64 {
     }
 }
 
-/// The largest sum of ranks that is as small or smaller in at most this share of all cases; `None` where even 0 is
-/// not.
+/// The largest number such that the sum of ranks is at most that in no more than this share of all cases; `None` if not
+/// even 0 is such a number.
 fn critical(count: usize, tail: f64) -> Option<usize> {
     if count > EXACT {
         let n = count as f64;

@@ -2,9 +2,9 @@
 
 use super::median;
 
-/// Fewest samples in which either is looked for.
+/// Fewest samples in which warming up or a drift is looked for.
 const FEWEST: usize = 8;
-/// Standard deviations of the rank correlation beyond which a trend is none by chance: two-sided 1 %.
+/// Standard deviations of the rank correlation beyond which a trend is not due to chance: two-sided 1 %.
 const TREND: f64 = 2.576;
 
 /// How many of the first samples belong to warming up: those before the first that is on the other side of the median

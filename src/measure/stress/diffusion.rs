@@ -20,7 +20,7 @@ fn solved(scene: &Scene, device: Option<&Device>) -> Result<Session> {
     Ok(session)
 }
 
-/// The solution against the CPU's, and what is left of its equation.
+/// The radiosity against the CPU's, and the residual of the equation.
 pub(super) fn run(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
     let (expected, mut found) = (solved(scene, None)?, solved(scene, device)?);
     let mut radiosity = found.state().data.radiosity.clone();

@@ -35,7 +35,7 @@ pub(super) fn sheet(xs: &[f64], ys: &[f64]) -> Mesh {
     mesh(positions, triangles)
 }
 
-/// Coordinates of grid lines from 0 to 1: with a second line after each inner one, at this width of a cell, unless 0.
+/// Coordinates of grid lines from 0 to 1, with a second line after each inner one, this share of a cell away, unless 0.
 pub(super) fn lines(cells: u32, width: f64) -> Vec<f64> {
     if width == 0.0 {
         return (0..=cells).map(|k| f64::from(k) / f64::from(cells)).collect();

@@ -44,7 +44,7 @@ pub struct Case {
     pub fallback: Text,
     /// Bound for the device's usual method; for form factors, for the stage `evaluate`.
     pub bound: Bound,
-    /// Bound for brute force in `f32` on the same device, or what stands in its place.
+    /// Bound for brute force in `f32` on the same device, or for what stands in its place.
     pub brute: Bound,
     /// The reason for the bounds.
     #[serde(deserialize_with = "leaked")]
@@ -72,7 +72,7 @@ enum Compute {
     Shading(setup::Setup),
     /// A random walk through a scene: against the CPU's, and its balance in the place of brute force.
     Walk(setup::Setup),
-    /// Diffusion: against the CPU's, and what is left of the equation in the place of brute force.
+    /// Diffusion: against the CPU's, and the equation's residual in the place of brute force.
     Diffusion(setup::Setup),
 }
 
@@ -80,16 +80,16 @@ enum Compute {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    /// What the cases of a class have in common, by its name.
+    /// The keys that the cases of a class share, by its name.
     class: BTreeMap<String, toml::Table>,
-    /// What form factors are computed of.
+    /// The triangles, points and media of form factors.
     lists: factor::Lists,
     /// The cases.
     case: Vec<toml::Table>,
 }
 
 /// All cases: single form factors, materials, positions and meshes, light, shading by curvature, random walks,
-/// diffusion. Also the lists of what form factors are computed of.
+/// diffusion. Also the lists of triangles, points and media of form factors.
 static CASES: LazyLock<std::result::Result<(Vec<Case>, factor::Lists), String>> = LazyLock::new(|| {
     let File { class, lists, case } = toml::from_str(include_str!("cases.toml")).map_err(|e| e.to_string())?;
     let complete = |mut case: toml::Table| {
@@ -102,7 +102,7 @@ static CASES: LazyLock<std::result::Result<(Vec<Case>, factor::Lists), String>> 
     Ok((case.into_iter().map(complete).collect::<std::result::Result<_, String>>()?, lists))
 });
 
-/// The cases, and the lists of what form factors are computed of.
+/// The cases, and the lists of triangles, points and media of form factors.
 fn cases() -> Result<&'static (Vec<Case>, factor::Lists)> {
     CASES.as_ref().map_err(|error| Input::new(error).file(Path::new("cases.toml")).into())
 }
@@ -144,7 +144,7 @@ pub struct Outcome {
     pub sound: bool,
     /// Errors of the usual method, or of the stage `evaluate`.
     pub usual: Worst,
-    /// Errors of brute force in `f32`.
+    /// Errors of brute force in `f32`, or of what stands in its place.
     pub brute: Worst,
     /// Errors of the irradiance octree in `f32`, for scenes; reported only, no effect on pass or fail.
     pub octree: Option<Worst>,
@@ -173,11 +173,11 @@ impl Plant {
     /// Applies the change.
     fn apply(self, values: &mut [[f32; 3]]) {
         let every = |values: &mut [[f32; 3]], f: fn(f32) -> f32| values.iter_mut().flatten().for_each(|x| *x = f(*x));
-        let one = |values: &mut [[f32; 3]], x: f32| values.iter_mut().skip(1).take(1).for_each(|value| value[1] = x);
+        let second = |values: &mut [[f32; 3]], x: f32| values.iter_mut().skip(1).take(1).for_each(|value| value[1] = x);
         match self {
-            Self::NotANumber => one(values, f32::NAN),
-            Self::Infinite => one(values, f32::INFINITY),
-            Self::Negative => one(values, -1e-30),
+            Self::NotANumber => second(values, f32::NAN),
+            Self::Infinite => second(values, f32::INFINITY),
+            Self::Negative => second(values, -1e-30),
             Self::Dark => every(values, |_| 0.0),
             Self::TenthMore => every(values, |x| x * 1.1),
             Self::Trace => every(values, |x| x + 1e-30),

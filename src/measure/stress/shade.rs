@@ -36,7 +36,7 @@ fn method(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) -> Resul
     found.look("radiance", &radiance);
     let sound = |bend: &crate::layout::Curvature| bend.mean.is_finite() && bend.gaussian.is_finite();
     if !curvature.iter().all(sound) {
-        found.faults.push("a curvature is no number".into());
+        found.faults.push("a curvature is not finite".into());
     }
     // The largest error is a share of what is seen.
     let shown = expected.iter().flatten().filter(|x| **x > 0.0).count();

@@ -65,7 +65,7 @@ fn method(
     sample: &Sample,
     expected: &[[f64; 3]],
 ) -> Result<Found> {
-    // The receivers are the faces here, for their values are compared; receivers at pixels come below.
+    // The receivers are the faces here, since their values are compared; receivers at pixels come below.
     let mut scene = shown.clone();
     scene.transport.receivers = Receivers::Faces;
     let mut session = Session::new(&scene, device, options)?;

@@ -23,17 +23,17 @@ fn walk(scene: &Scene, device: Option<&Device>) -> Result<Session> {
     Ok(session)
 }
 
-/// Units of light that entered or were gained, and that went, of a channel.
+/// Units of light of a channel: those that entered, those that entered or were gained, and those that went.
 fn accounts(exits: &[ExitSum], balances: &[WalkBalance], channel: usize) -> [u64; 3] {
-    let sum = |of: fn(&WalkBalance) -> [u32; 2]| {
-        balances.iter().skip(channel).step_by(3).map(|balance| sum64(of(balance))).sum::<u64>()
+    let sum = |count: fn(&WalkBalance) -> [u32; 2]| {
+        balances.iter().skip(channel).step_by(3).map(|balance| sum64(count(balance))).sum::<u64>()
     };
     let left: u64 = exits.iter().map(|exit| exit.once(channel) + exit.more(channel)).sum();
     let went = left + sum(|b| b.straight) + sum(|b| b.absorbed) + sum(|b| b.lost) + sum(|b| b.killed);
     [sum(|b| b.entered), sum(|b| b.entered) + sum(|b| b.gained), went]
 }
 
-/// The walk against the CPU's, and what does not add up.
+/// The walk against the CPU's, and its balance.
 pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
     let scene = setup.scene(&[format!("transport.walks={PHOTONS}")])?;
     let (expected, found) = (walk(&scene, None)?, walk(&scene, device)?);

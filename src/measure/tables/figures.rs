@@ -37,10 +37,10 @@ pub fn points(place: &str, points: &[Point]) -> Table {
 /// The worst values of each channel over a whole figure.
 #[must_use]
 pub fn worst(points: &[Point]) -> Table {
-    let largest = |channel: &usize, of: &dyn Fn(&Point) -> f64| {
-        points.iter().filter(|p| p.channel == *channel).map(|p| of(p).abs()).fold(0.0, f64::max)
+    let largest = |channel: &usize, value: &dyn Fn(&Point) -> f64| {
+        points.iter().filter(|p| p.channel == *channel).map(|p| value(p).abs()).fold(0.0, f64::max)
     };
-    let error = |channel: &usize, of: &dyn Fn(&Point) -> f64| format!("{:.1e}", largest(channel, of));
+    let error = |channel: &usize, value: &dyn Fn(&Point) -> f64| format!("{:.1e}", largest(channel, value));
     Table::of(
         &[0, 1, 2],
         &[
@@ -57,18 +57,18 @@ pub fn worst(points: &[Point]) -> Table {
             ("12 samples", "root mean square of the relative error of random samples", &|c| {
                 error(c, &|p| p.scatter / 12f64.sqrt())
             }),
-            ("10,000 samples", "the same of many", &|c| error(c, &|p| p.scatter / 100.0)),
+            ("10,000 samples", "the same of that many", &|c| error(c, &|p| p.scatter / 100.0)),
             ("discs", "samples that the criterion of Jensen and Buhler asks for", &|c| {
                 largest(c, &|p| p.discs as f64).to_string()
             }),
-            ("their error", "root mean square of the relative error of so many", &|c| {
+            ("their error", "root mean square of the relative error of as many random samples", &|c| {
                 error(c, &|p| p.scatter / (p.discs as f64).sqrt())
             }),
         ],
     )
 }
 
-/// What a file of curves has in common with ours of either figure.
+/// How the curves of a file differ from ours of the same figure, in words.
 pub fn given(path: &Path) -> Result<String> {
     let found = super::given::compare(path)?;
     Ok(format!(

@@ -31,7 +31,7 @@ pub fn compare(path: &Path) -> Result<Agreement> {
     compare_text(&text).map_err(fault)
 }
 
-/// The same for the text of a file; an error is a message.
+/// Compares the text of a file; an error is a message.
 pub fn compare_text(text: &str) -> std::result::Result<Agreement, String> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let header = reader.headers().map_err(|error| error.to_string())?.clone();

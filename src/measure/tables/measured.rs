@@ -9,7 +9,7 @@ use crate::measure::norms::Norms;
 use crate::measure::table::Table;
 use crate::scene::{ClusterForm, Near, Scene};
 
-/// How often the base is split for table 3's first row, and for the subdivided models of table 4.
+/// How often the base is split at most, for table 3's first row and for the subdivided models of table 4.
 const LEVELS_3: usize = 2;
 const LEVELS_4: usize = 3;
 /// Triangles of the built-in shape for table 5.

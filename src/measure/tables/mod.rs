@@ -44,11 +44,11 @@ pub struct Bench<'a> {
 pub struct Beside {
     /// Its name, one word.
     pub name: String,
-    /// What is measured.
+    /// Lines above the table: what is measured, and the settings.
     pub before: Vec<String>,
     /// The paper's columns, then ours.
     pub table: Table,
-    /// What follows from it.
+    /// Lines below the table: what follows from it.
     pub after: Vec<String>,
 }
 

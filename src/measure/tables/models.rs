@@ -33,8 +33,8 @@ fn built(name: &str, detail: u32, extent: f64, more: &[String]) -> Result<Scene>
     Ok(scene)
 }
 
-/// The same shape from a coarse base, split at most `levels` times by the modified butterfly scheme, which is also its
-/// hierarchy: about `faces` triangles at the end.
+/// A built-in shape from a coarse base, split at most `levels` times by the modified butterfly scheme, which is also
+/// its hierarchy: about `faces` triangles at the end.
 pub fn split(name: &str, faces: usize, levels: usize, extent: f64) -> Result<Scene> {
     let (levels, detail) = base(kind_of(name), faces, levels);
     let hierarchy = ["transport.hierarchy=butterfly".into(), format!("transport.levels={levels}")];
@@ -53,18 +53,18 @@ fn count(shape: Shape, detail: u32) -> f64 {
 }
 
 /// How often a base is split, at most `most` times, and its detail, for the number of triangles closest to `faces`, by
-/// ratio: a shape that cannot be coarse is split less often. Of equally close ones that with most splits.
+/// ratio: a shape that cannot be coarse is split less often. Of equally close bases it is the one with most splits.
 fn base(shape: Shape, faces: usize, most: usize) -> (usize, u32) {
-    let one = |levels: usize| (levels, detail(shape, faces >> (2 * levels)));
+    let tried = |levels: usize| (levels, detail(shape, faces >> (2 * levels)));
     let off =
         |(levels, detail): &(usize, u32)| (count(shape, *detail) * 4f64.powi(*levels as i32) / faces as f64).ln().abs();
-    (1..=most).rev().map(one).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_else(|| (0, detail(shape, faces)))
+    (1..=most).rev().map(tried).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_else(|| (0, detail(shape, faces)))
 }
 
 /// The detail whose number of triangles is closest to `faces`, by ratio.
 fn detail(shape: Shape, faces: usize) -> u32 {
     let (range, wanted) = (shape.details(), faces.max(1) as f64);
-    // Numbers grow with the detail: find the first that is enough, no shape much larger is built.
+    // Counts grow with the detail: find the first that is enough, without building much larger shapes.
     let (mut below, mut enough) = (*range.start(), *range.start());
     while count(shape, enough) < wanted && enough < *range.end() {
         below = enough;
@@ -78,7 +78,7 @@ fn detail(shape: Shape, faces: usize) -> u32 {
     if off(below) <= off(enough) { below } else { enough }
 }
 
-/// Value for both solid angles of section 5.2, steradian, at which this scene has so many links per triangle.
+/// The value for both solid angles of section 5.2, steradian, at which this scene has this many links per triangle.
 pub fn angle(scene: &Scene, device: Option<&Device>, links_per_face: f64) -> Result<f64> {
     let (mut fine, mut coarse) = (1e-2f64, 10.0f64);
     // Links are chosen alike however clusters are evaluated; one sample is the fastest.

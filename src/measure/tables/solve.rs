@@ -24,7 +24,8 @@ pub enum Kept {
     Nothing,
     /// Links and form factors: the paper's render mode.
     Links,
-    /// The same where the shape changes: the paper's incremental mode. Each frame a bump on 1 % of the triangles moves.
+    /// Links and form factors while the shape changes: the paper's incremental mode. In each frame a bump on 1 % of the
+    /// triangles moves.
     Altered,
 }
 
@@ -38,7 +39,7 @@ pub struct Truth {
 pub struct Solved {
     session: Session,
     change: Change,
-    /// The scene whose shape changes, and the frames that it has changed in.
+    /// The scene whose shape changes, and the number of frames in which it has changed.
     altered: Option<(Scene, usize)>,
 }
 
@@ -59,7 +60,7 @@ impl Solved {
         Ok(Self { session, change, altered })
     }
 
-    /// The same, or `None` if a device cannot keep so many links.
+    /// Opens a scene and solves it once; `None` if its links are too many to keep.
     pub fn if_it_fits(scene: &Scene, device: Option<&Device>, kept: Kept) -> Result<Option<Self>> {
         match Self::new(scene, device, kept) {
             Ok(solved) if solved.session.not_kept().is_some() => Ok(None),
@@ -101,18 +102,18 @@ impl Solved {
         Ok(median(times))
     }
 
-    /// The same for two models, frames alternating, so that other load on the machine slows both: the whole frame and
-    /// its stage `form_factor`.
+    /// Median times of two models, milliseconds: of the whole frame and of its stage `form_factor`. Frames alternate,
+    /// so that other load on the machine slows both.
     pub fn time_beside(&mut self, other: &mut Self) -> Result<[[f64; 2]; 2]> {
         let mut times: [[Vec<f64>; 2]; 2] = Default::default();
-        while times[0][0].len() < FRAMES && times.iter().flat_map(|of| &of[0]).sum::<f64>() < LONG {
+        while times[0][0].len() < FRAMES && times.iter().flat_map(|model| &model[0]).sum::<f64>() < LONG {
             for (solved, times) in [&mut *self, &mut *other].into_iter().zip(&mut times) {
                 let [whole, part] = solved.frame()?;
                 times[0].push(whole);
                 times[1].push(part);
             }
         }
-        Ok(times.map(|of| of.map(median)))
+        Ok(times.map(|model| model.map(median)))
     }
 
     /// Milliseconds of one frame and of its stage `form_factor`.

@@ -11,7 +11,7 @@ use crate::pipeline::plan::Change;
 use crate::scene::Scene;
 use crate::session::run::Session;
 
-/// A device that makes all pipelines anew in each round.
+/// A variant that makes all pipelines anew in each round.
 struct Start<'a> {
     scene: &'a Scene,
     settings: &'a Settings,
@@ -20,7 +20,7 @@ struct Start<'a> {
     pipelines: &'a [KernelKey],
     /// What a file of the pipeline cache would hold.
     content: &'a [u8],
-    /// A device that has made them before.
+    /// A device that has made the pipelines before.
     warm: Option<Device>,
 }
 
@@ -87,5 +87,5 @@ pub(super) fn compare_first_frames(
     compare_each(&mut starters, &Schedule { rounds, ..settings.schedule() }, 1)
 }
 
-/// At most so many rounds, each of which makes all pipelines of each variant.
+/// Most rounds, since each makes all pipelines of each variant.
 const MOST_ROUNDS: usize = 24;

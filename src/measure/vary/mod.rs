@@ -24,7 +24,7 @@ use crate::pipeline::frame;
 pub struct Variant {
     /// Axis and value, `barriers=every`.
     pub name: String,
-    /// How the device is used.
+    /// How it uses the device.
     pub choices: Choices,
 }
 
@@ -34,7 +34,7 @@ pub struct Asked {
     pub axis: &'static Axis,
     /// Its name as it was asked for, `group.link`.
     pub name: String,
-    /// The default's value.
+    /// The name of the axis's default value.
     pub default: &'static str,
     /// The variants, without the default.
     pub variants: Vec<Variant>,
@@ -52,7 +52,7 @@ pub fn asked(text: &str) -> Result<Asked> {
     let axis = AXES.iter().find(|axis| axis.name == head).ok_or_else(|| fault("no such axis", head, all()))?;
     if let Some(stage) = stage {
         if axis.name != "group" {
-            return Err(fault("only the axis group is one of a stage", name, axis.name.into()));
+            return Err(fault("only the axis group takes a stage", name, axis.name.into()));
         }
         let open = kernel_names().filter(|kernel| group_is_open(kernel)).flat_map(|kernel| kernel.split('/'));
         let stages: BTreeSet<&str> = open.filter(|part| frame::stage(part).is_some()).collect();
@@ -125,12 +125,12 @@ mod tests {
     #[test]
     fn values_of_an_axis_differ() {
         for axis in AXES {
-            let of = |value: &crate::gpu::Value| {
+            let chosen = |value: &crate::gpu::Value| {
                 let mut choices = Choices::default();
                 (value.set)(&mut choices);
                 choices
             };
-            let all: Vec<Choices> = axis.values.iter().map(of).collect();
+            let all: Vec<Choices> = axis.values.iter().map(chosen).collect();
             assert!((1..all.len()).all(|k| !all[..k].contains(&all[k])), "{}", axis.name);
             assert!(axis.name == "group" || all[0] == Choices::default(), "{}: the default comes first", axis.name);
         }

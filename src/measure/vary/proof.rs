@@ -23,7 +23,7 @@ pub enum Proof {
         /// Their size in bytes.
         bytes: usize,
     },
-    /// These stages leave other bits; all conform to the reference.
+    /// Some buffers have other bits, but every stage conforms to the reference.
     Conforms {
         /// Names of the buffers that differ.
         differ: Vec<&'static str>,
@@ -83,8 +83,8 @@ impl Computed {
 
     /// The first difference in a buffer, in words.
     fn first(&self, other: &Self, slot: BufferId) -> String {
-        let of = |all: &Self| all.0.iter().find(|(known, _)| *known == slot).map(|(_, bytes)| bytes.clone());
-        let (one, two) = (of(self).unwrap_or_default(), of(other).unwrap_or_default());
+        let bytes = |all: &Self| all.0.iter().find(|(known, _)| *known == slot).map(|(_, bytes)| bytes.clone());
+        let (one, two) = (bytes(self).unwrap_or_default(), bytes(other).unwrap_or_default());
         let name = slot.spec().name;
         if one.len() != two.len() {
             return format!("buffer {name} has {} bytes instead of {}", two.len(), one.len());
@@ -119,7 +119,7 @@ pub fn proof(
     if device.choices().optimization == crate::gpu::Optimization::default() {
         return Err(fault(default.first(variant, *first)));
     }
-    // What conforming takes is its own.
+    // Messages up to here are the variant's own; `conform` takes those of its comparison.
     if let Some(message) = device.take_messages().first() {
         return Err(Error::Check(format!("{name}: the validation layer: {message}")));
     }
@@ -137,12 +137,12 @@ mod tests {
 
     #[test]
     fn a_word_that_differs_is_named() {
-        let of = |radiosity: [u32; 3]| {
+        let holding = |radiosity: [u32; 3]| {
             let bytes = radiosity.iter().flat_map(|word| word.to_le_bytes()).collect();
             Computed(vec![(BufferId::irradiance, vec![1, 2, 3, 4]), (BufferId::radiosity, bytes)])
         };
-        let (one, two) = (of([1, 2, 3]), of([1, 7, 9]));
-        assert!(one.differ(&of([1, 2, 3])).is_empty());
+        let (one, two) = (holding([1, 2, 3]), holding([1, 7, 9]));
+        assert!(one.differ(&holding([1, 2, 3])).is_empty());
         assert_eq!(one.differ(&two), [BufferId::radiosity]);
         let told = one.first(&two, BufferId::radiosity);
         assert_eq!(told, "buffer radiosity differs in 2 words; the first is word 1, 0x00000007 instead of 0x00000002");

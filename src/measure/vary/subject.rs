@@ -26,21 +26,21 @@ pub struct Subject<'a> {
 /// What came of a variant before it was timed.
 #[derive(Clone, Debug)]
 pub enum Tried {
-    /// The device lacks this for it.
+    /// The device lacks this, so the variant is not run.
     Lacks(String),
-    /// It computes what the default does.
+    /// It computes what the default does: bit for bit, or as the reference allows.
     Proved(Proof),
 }
 
-/// What came of one axis.
+/// The result of one axis.
 pub struct Outcome {
     /// What was asked for.
     pub asked: Asked,
-    /// Of each variant.
+    /// What came of each variant.
     pub tried: Vec<Tried>,
     /// The times: the default's, then those of each variant that ran.
     pub samples: Samples,
-    /// Of each variant that ran, the ratios to the default.
+    /// The ratios to the default of each variant that ran.
     pub ratios: Vec<Vec<Ratio>>,
 }
 
@@ -107,8 +107,8 @@ impl<'a> Subject<'a> {
 
     /// Times frames in turn; each start opens the device anew.
     fn compare_frames(&self, variants: &[&Variant], open: &dyn Fn(&Choices) -> Result<Device>) -> Result<Measured> {
-        let starter = |one: &&Variant| {
-            let (name, choices) = (one.name.clone(), one.choices.clone());
+        let starter = |chosen: &&Variant| {
+            let (name, choices) = (chosen.name.clone(), chosen.choices.clone());
             let start = move || Ok(Box::new(variant(self.scene, Some(&open(&choices)?), self.settings)?) as _);
             Starter { name, start: Box::new(start) }
         };

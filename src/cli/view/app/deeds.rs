@@ -1,4 +1,4 @@
-//! What is played from a file, done as mouse and keyboard do it.
+//! Events that are played from a file, done as mouse and keyboard do them.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::cli::view::frames::Progress;
 use crate::cli::view::play::{Button, Deed, Seen};
 
 impl App {
-    /// Does what is to be played next.
+    /// Does what the next event of `--play` asks for.
     pub(super) fn play(&mut self, size: [u32; 2]) -> Result<()> {
         let whole = self.viewer.frames.progress == Progress::Whole && !self.viewer.plays();
         let settled = whole && self.viewer.frames.due(false).is_none();
@@ -54,14 +54,14 @@ impl App {
         Ok(())
     }
 
-    /// An event of the panel's.
+    /// Gives the panel an event.
     fn feed(&mut self, event: egui::Event) {
         if let Some(shell) = &mut self.shell {
             shell.input.egui_input_mut().events.push(event);
         }
     }
 
-    /// Writes what the window shows.
+    /// Writes what the window shows, as a PNG file.
     pub(super) fn shoot(&self, file: &Path) -> Result<()> {
         let shot = self.shell.as_ref().map_or(Ok(None), |shell| shell.presenter.screenshot())?;
         let Some((size, bytes)) = shot else { return Ok(()) };

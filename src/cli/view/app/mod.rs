@@ -36,7 +36,7 @@ pub(super) struct App {
     pub(super) present: PresentMode,
     /// Frames after which the window closes.
     pub(super) limit: Option<u64>,
-    /// Where what the window shows goes when it closes.
+    /// The file to which the window is written when it closes.
     pub(super) screenshot: Option<PathBuf>,
     frames: u64,
     polled: Instant,
@@ -81,7 +81,7 @@ impl App {
         }
     }
 
-    /// What has come of it, once the window is closed.
+    /// The outcome, once the window is closed.
     pub(super) fn end(mut self) -> Result<()> {
         self.shell = None;
         self.outcome
@@ -143,7 +143,7 @@ impl App {
         };
         let shown = picture.map(|(size, buffer)| Shown { buffer, size, area: [0, 0, area[0], area[1]] });
         if !shell.presenter.show(&shell.window, size, shown, overlay)? && !size.contains(&0) {
-            // Nothing else may come that shows it.
+            // There may be no other event after which the window is drawn.
             let soon = Instant::now() + Duration::from_millis(100);
             self.repaint = Some(self.repaint.map_or(soon, |due| due.min(soon)));
         }
@@ -171,7 +171,7 @@ impl App {
         keys::action(name).map_or(Ok(()), |action| self.perform(action))
     }
 
-    /// Does something that one undo takes back.
+    /// Does an action that one undo takes back.
     fn perform(&mut self, action: keys::Action) -> Result<()> {
         self.viewer.perform(action, true)
     }
@@ -227,7 +227,7 @@ impl App {
         let ended = done.and(shot);
         if over || ended.is_err() {
             self.outcome = ended;
-            // Taken once.
+            // The screenshot is taken once.
             self.screenshot = None;
             events.exit();
         }

@@ -24,20 +24,20 @@ pub(super) struct Edits {
     /// The settings of the command line, before those of the window.
     given: Vec<String>,
     made: Made,
-    /// Those before each change, and those that were taken back.
+    /// The settings before each change, and those that were taken back.
     undo: Vec<Made>,
     redo: Vec<Made>,
     /// The scene as it is now; its camera has the size of the picture in the window.
     pub(super) scene: Scene,
     /// The light that drags and keys change.
     pub(super) light: usize,
-    /// Whether it differs from what its file gives with all settings.
+    /// Whether [`Self::adjust`] has changed the scene since it was read.
     adjusted: bool,
     /// The scene's file, and its state when it was read last.
     file: Option<(PathBuf, FileState)>,
 }
 
-/// When a file was changed, and its bytes.
+/// When a file was changed, and its size in bytes.
 type FileState = (Option<SystemTime>, u64);
 
 impl Edits {
@@ -100,8 +100,8 @@ impl Edits {
         self.adjusted = true;
     }
 
-    /// Reads the scene if it was adjusted since it was read; if that fails, the last change is taken back, unless it is
-    /// not the change's fault.
+    /// Reads the scene if it was adjusted since it was read; if that fails, takes the last change back, unless the
+    /// scene fails without it, too.
     pub(super) fn settle(&mut self) -> Result<()> {
         if !self.adjusted {
             return Ok(());
@@ -116,7 +116,7 @@ impl Edits {
         Err(error)
     }
 
-    /// The settings before the last change; whether there are any.
+    /// Goes back to the settings before the last change; returns whether there was one.
     pub(super) fn undo(&mut self) -> Result<bool> {
         while let Some(before) = self.undo.pop() {
             if before != self.made {
@@ -132,7 +132,7 @@ impl Edits {
         Ok(false)
     }
 
-    /// The settings that the last undo took back; whether there are any.
+    /// Makes the settings again that the last undo took back; returns whether there were any.
     pub(super) fn redo(&mut self) -> Result<bool> {
         let Some(after) = self.redo.pop() else { return Ok(false) };
         let now = self.made.clone();
@@ -161,7 +161,7 @@ impl Edits {
         let mut sets = SceneArguments { sets: self.sets(), ..self.subject.scenes.clone() }.sets();
         sets.push(format!("camera.size=[{}, {}]", camera.size[0], camera.size[1]));
         if self.scene.frames.is_none() {
-            // What was fitted to another size stays.
+            // A view that was fitted to another size stays.
             sets.push(format!("camera.position={}", list(camera.position)));
             sets.push(format!("camera.target={}", list(camera.target)));
         }
@@ -200,7 +200,7 @@ impl Edits {
         })
     }
 
-    /// Where each light is seen, in pixels from the upper left; none for one that is not, or can't be moved.
+    /// Where each light is seen, in pixels from the upper left; none for one that is not seen, or can't be moved.
     pub(super) fn handles(&self) -> Vec<Option<[f64; 2]>> {
         let (middle, extent) = self.middle();
         let seen = |light| project(&self.scene.camera, place_of(light, middle, extent)?).map(|(at, _)| at);
@@ -238,7 +238,7 @@ impl Edits {
         self.light = (self.light + 1) % self.scene.lights.len().max(1);
     }
 
-    /// Reads the scene again if its file has changed; whether it has.
+    /// Reads the scene again if its file has changed; returns whether it has.
     pub(super) fn reload(&mut self) -> Result<bool> {
         let Some((path, known)) = &mut self.file else { return Ok(false) };
         // A file that is being replaced may be missing for a moment.
@@ -279,7 +279,7 @@ impl Edits {
     }
 }
 
-/// When a plain file was changed, and its bytes; none for anything else.
+/// The state of a plain file; none for anything else.
 fn state(path: &PathBuf) -> Option<FileState> {
     let known = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
     Some((known.modified().ok(), known.len()))

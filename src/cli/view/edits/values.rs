@@ -1,12 +1,12 @@
-//! Values of the scene with all settings, without reading all of it.
+//! Values of the scene with all settings, without reading the whole scene.
 
 use milkglass::scene::{Material, Scene};
 
 use super::Edits;
 
 impl Edits {
-    /// The material that an object has with all settings and another one; none where only the scene can tell, for what
-    /// it has from files.
+    /// The material that an object has with all settings and one more; none for a material with textures or layers,
+    /// which only the whole scene can read.
     pub(in super::super) fn material(&self, object: usize, key: &str, value: &str) -> Option<Material> {
         let known = &self.scene.objects[object].material;
         if known.texture.is_some() || known.sigma_0_texture.is_some() || known.layers.is_some() {

@@ -1,5 +1,5 @@
-//! The estimated error of the picture, once that is whole and rests: from a session of its own, so that pictures do not
-//! pay for it, and in parts, so that input is read between them.
+//! The estimated error of the picture, once the picture is whole and rests: from a session of its own, so that pictures
+//! do not pay for it, and in parts, so that input is read between them.
 
 use std::time::{Duration, Instant};
 
@@ -15,14 +15,14 @@ use super::parts::{PART, open};
 /// For how long everything must rest before the picture is made, and before its error is estimated.
 pub(super) const REST: Duration = Duration::from_millis(250);
 
-/// What is known of the error.
+/// The estimate of the error, and the work for it.
 #[derive(Default)]
 pub(super) struct Check {
     session: Option<Session>,
     under_way: Option<FrameParts>,
-    /// Whether it is known, or known to have no estimate.
+    /// Whether the error is estimated, or known to have no estimate.
     known: bool,
-    /// Whether a second solution is to sharpen it.
+    /// Whether a second solution is to sharpen the estimate.
     sharpens: bool,
     error: Option<[f64; 3]>,
     /// When the picture was whole.
@@ -51,7 +51,7 @@ impl Check {
         }
     }
 
-    /// Says that the options are others.
+    /// Forgets everything, since the options have changed.
     pub(super) fn forget(&mut self) {
         *self = Self::default();
     }
@@ -61,7 +61,7 @@ impl Check {
         self.sharpens = true;
     }
 
-    /// When there is something to do, while the picture is whole.
+    /// When the next step of the estimate is due, while the picture is whole.
     pub(super) fn due(&self) -> Option<Instant> {
         match self.known {
             true => self.sharpens.then(Instant::now),
@@ -70,8 +70,8 @@ impl Check {
         }
     }
 
-    /// Does it, for [`PART`]; a dispatch is not cut in pieces, and the second solution is one. Where it fails, there is
-    /// no estimate: a device that is lost shows in the next picture.
+    /// Works on the estimate for [`PART`]; a dispatch is not cut into parts, nor is the second solution. If it fails,
+    /// there is no estimate: a device that is lost shows in the next picture.
     pub(super) fn advance(&mut self, scene: &Scene, device: &Device, options: Options) {
         if self.part(scene, device, options).is_err() {
             *self = Self { known: true, ..Self::default() };

@@ -12,7 +12,7 @@ use super::{Frames, Progress};
 use crate::cli::view::drafts::LEVELS;
 
 impl Frames {
-    /// Renders a draft; the next one is chosen by how long it took. `before` is what the change itself took.
+    /// Renders a draft; the next one is chosen by how long it took. `before` is the time of the change itself.
     pub(super) fn draft(&mut self, scene: &Scene, before: Duration) -> Result<Vec<Timing>> {
         let start = Instant::now();
         self.policy.choose(scene, self.all, before.as_secs_f64() * 1e3);
@@ -25,11 +25,11 @@ impl Frames {
         let known = draft.as_ref().is_some_and(|session| session.scene().camera.size == coarse.camera.size);
         let session = open(draft, &coarse, &self.device, self.options)?;
         let mut steps = session.frame(Change::default())?;
-        // The first of a size may have to compile kernels.
+        // The first draft of a size may have to compile kernels.
         if known {
             self.policy.learn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
         } else if !self.policy.knows() {
-            // The very first one: what drafts take, another frame tells.
+            // The very first draft: another frame tells how long drafts take.
             let start = Instant::now();
             steps = session.frame(Change::EVERYTHING)?;
             self.policy.learn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
@@ -59,7 +59,7 @@ impl Frames {
         }
     }
 
-    /// The scene as a draft of this level shows it, and which of the sessions of drafts it is for.
+    /// The scene as a draft of this level shows it, and the index of the draft's session.
     fn coarse(&self, scene: &Scene, level: usize) -> Result<(Scene, usize)> {
         let mut coarse = LEVELS[level].of(scene);
         coarse.camera = coarse.camera.sized(self.draft_size(scene))?;
@@ -67,7 +67,7 @@ impl Frames {
     }
 }
 
-/// The session, opened if there is none; it shows this scene.
+/// The session of a draft, opened if there is none, with this scene.
 fn open<'s>(
     draft: &'s mut Option<Session>,
     coarse: &Scene,

@@ -1,4 +1,4 @@
-//! What the frames say of themselves in numbers.
+//! Numbers about the frames: errors, times, lengths of lists.
 
 use std::fmt::Write as _;
 
@@ -24,20 +24,20 @@ impl Frames {
             sorted.sort_by(f64::total_cmp);
             let _ = write!(
                 text,
-                "a draft took {:.0} ms in the middle, {:.0} ms at most; ",
+                "a draft took {:.0} ms (median), {:.0} ms at most; ",
                 sorted[sorted.len() / 2],
                 most(later)
             );
         }
         if !first.is_empty() {
-            let _ = write!(text, "before the first whole picture one took {:.0} ms at most; ", most(first));
+            let _ = write!(text, "before the first whole picture a draft took {:.0} ms at most; ", most(first));
         }
         let _ = write!(text, "a part of a whole picture {:.0} ms at most", self.longest.as_secs_f64() * 1e3);
         text
     }
 
-    /// Entries of the longest lists of links in the session that is shown, and how often frames of all were repeated
-    /// because a list did not fit.
+    /// Entries of the longest lists of links in the session that is shown, and how often frames of all sessions were
+    /// repeated because a list did not fit.
     pub(in crate::cli::view) fn counts(&self) -> [u64; 2] {
         let [transported, local] = &self.drafts;
         let draft = if LEVELS[self.policy.level].transport { transported } else { local };

@@ -1,4 +1,4 @@
-//! How long the parts are in which something long is made.
+//! How long the parts are in which long work is done.
 
 use std::time::Duration;
 
@@ -8,11 +8,11 @@ use milkglass::internals::pipeline::plan::Options;
 use milkglass::internals::session::run::{CapacityHints, Session};
 use milkglass::scene::Scene;
 
-/// How long something long is gone on with before input is read again; a dispatch is not cut in pieces.
+/// How long work goes on before input is read again; a dispatch is not cut into parts.
 pub(super) const PART: Duration = Duration::from_millis(40);
 
-/// Blocks of receivers whose lists are made and summed in one dispatch, for whose end input waits, where the device is
-/// the processor: 8,192 receivers keep its cores busy.
+/// Blocks of receivers whose lists are made and summed in one dispatch, if the device is the processor. Input waits for
+/// the end of a dispatch; up to 2,048 receivers keep the cores busy.
 const BATCH: usize = 128;
 
 /// Opens a session that works in short dispatches; its results are those of [`Session::new`].

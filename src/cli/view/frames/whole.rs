@@ -10,12 +10,12 @@ use milkglass::scene::Scene;
 use super::parts::PART;
 use super::{Frames, Progress};
 
-/// If the first frame of a picture takes less, there are no drafts.
+/// A picture whose first frame takes less than this is made without drafts.
 const QUICK: Duration = Duration::from_millis(50);
 
 impl Frames {
-    /// Goes on with the next frame of the whole picture, for [`PART`] while another picture is shown; the times of its
-    /// steps and what it took once it is done.
+    /// Goes on with the next frame of the whole picture, for [`PART`] while another picture is shown; once the frame is
+    /// done, returns the times of its steps and its own.
     pub(super) fn part(&mut self, scene: &Scene, start: Instant) -> Result<Option<(Vec<Timing>, Duration)>> {
         let (mut frame, before) = match (self.under_way.take(), self.progress) {
             (Some(under_way), _) => under_way,

@@ -7,7 +7,7 @@ use super::Facts;
 /// Radius of a handle in points.
 const HANDLE: f32 = 6.0;
 
-/// Draws the lights' handles over the picture; that of the light that is changed is filled.
+/// Draws the lights' handles over the picture; the handle of the light that drags and keys change is filled.
 pub(super) fn draw(ui: &Ui, facts: &Facts<'_>, picture: Rect) {
     let painter = ui.painter().with_clip_rect(picture);
     let points = ui.ctx().pixels_per_point();

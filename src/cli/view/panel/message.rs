@@ -4,11 +4,11 @@ use egui::{Align2, Area, Color32, Frame, RichText, Ui};
 
 use crate::cli::view::viewer::outcome::Message;
 
-/// Behind a message: of something that is wrong, and of something that is done.
+/// The background of a message: of something that is wrong, and of something that is done.
 const WRONG: Color32 = Color32::from_rgb(90, 20, 20);
 const DONE: Color32 = Color32::from_rgb(20, 60, 30);
 
-/// Draws it.
+/// Draws the message.
 pub(super) fn draw(ui: &Ui, message: &Message) {
     Area::new("message".into()).anchor(Align2::LEFT_TOP, [8.0, 8.0]).show(ui.ctx(), |ui| {
         let fill = if message.wrong { WRONG } else { DONE };

@@ -28,16 +28,16 @@ pub(super) struct Facts<'a> {
     pub(super) samples: u32,
     /// Width and height of what is shown, in pixels.
     pub(super) shown: [u32; 2],
-    /// The object that is changed, and their number.
+    /// The number of the object that is changed, from 1 on, and the number of objects.
     pub(super) object: [usize; 2],
     pub(super) material: &'a str,
     /// The object's largest extent, mm, without the factor, and the factor on its coefficients.
     pub(super) extent: f64,
     pub(super) scale: f64,
-    /// Its deformations, and which of them keys change.
+    /// The object's deformations, and which of them keys change.
     pub(super) amounts: Vec<Amount>,
     pub(super) deform: usize,
-    /// The light that is moved, and their number.
+    /// The number of the light that is changed, from 1 on, and the number of lights.
     pub(super) light: [usize; 2],
     /// Where the lights are seen, in pixels.
     pub(super) handles: Vec<Option<[f64; 2]>>,
@@ -52,7 +52,8 @@ pub(super) struct Facts<'a> {
     pub(super) layer: Layer,
     /// What the layer's colours mean.
     pub(super) legend: &'a [Vec<String>],
-    /// The first and the last frame of an animation, the frame that is shown, and whether it plays, again and again.
+    /// The first and the last frame of an animation, the frame that is shown, whether it plays, and whether it begins
+    /// again at its end.
     pub(super) frames: Option<[f64; 2]>,
     pub(super) frame: f64,
     pub(super) plays: bool,

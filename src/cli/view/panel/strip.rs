@@ -18,7 +18,7 @@ fn color(stage: usize) -> Color32 {
 /// Draws the strip, and the last frame in numbers.
 pub(super) fn draw(ui: &mut Ui, history: &History) {
     let Some(last) = history.frames.back() else { return };
-    // Nine of ten frames have their whole column.
+    // Columns of nine in ten frames fit into the strip.
     let mut walls: Vec<f64> = history.frames.iter().map(|frame| frame.wall).collect();
     walls.sort_by(f64::total_cmp);
     let most = walls[walls.len() * 9 / 10].max(1.0);

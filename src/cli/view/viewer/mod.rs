@@ -41,7 +41,7 @@ pub(super) struct Viewer {
     /// Its largest extent, mm, and the factor on its coefficients.
     extent: f64,
     scale: f64,
-    /// The last scene that could be rendered, and its settings, if another one is now to be.
+    /// The last scene that could be rendered, and its settings, while it is unknown whether the present one can.
     good: Option<(Scene, Made)>,
     pub(super) message: Option<Message>,
     pub(super) panel: bool,
@@ -54,15 +54,15 @@ pub(super) struct Viewer {
     /// Where the pointer is, if it is over the picture.
     pub(super) pointer: Option<[f64; 2]>,
     pub(super) handles: bool,
-    /// What is to be written, once it is there.
+    /// The file that is to be written, once its content is there.
     output: Option<Output>,
-    /// What was spent on changes since the last frame.
+    /// The time that changes since the last frame took.
     spent: Duration,
     pub(super) quits: bool,
 }
 
 impl Viewer {
-    /// A scene with the picture's size in pixels, if it is another than the scene's.
+    /// A viewer of a scene; `size` is the picture's in pixels, if it is not the scene's.
     pub(super) fn new(
         subject: Subject,
         size: Option<[u32; 2]>,
@@ -103,7 +103,7 @@ impl Viewer {
         Ok(viewer)
     }
 
-    /// The size of the object that is changed.
+    /// Updates the size of the object that is changed, and which of its deformations is.
     fn measure(&mut self) {
         let scene = &self.edits.scene;
         self.object = self.object.min(scene.objects.len() - 1);

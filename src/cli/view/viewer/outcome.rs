@@ -17,14 +17,13 @@ pub(super) enum Changed {
 /// What the user is told.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in super::super) struct Message {
-    /// In words.
     pub(in super::super) text: String,
     /// Whether something is wrong.
     pub(in super::super) wrong: bool,
 }
 
 impl Message {
-    /// Of something that is wrong.
+    /// The message of an error.
     pub(super) fn of(error: &Error) -> Self {
         Self { text: error.to_string(), wrong: true }
     }

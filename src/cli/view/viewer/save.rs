@@ -14,7 +14,7 @@ use crate::cli::view::inspect::Layer;
 use crate::cli::write;
 
 impl Viewer {
-    /// Writes what is to be written, if it is there, and tells the file.
+    /// Writes the requested file, once its content is there, and tells its name.
     pub(super) fn write(&mut self) -> Result<()> {
         let whole = self.frames.progress == Progress::Whole;
         let Some(output) = self.output.take_if(|output| whole || !output.waits()) else { return Ok(()) };
