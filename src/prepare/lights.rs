@@ -168,7 +168,7 @@ fn tables(state: &mut State, sky: &Sky, unit: f64) {
     data.sky = sky.pixels.iter().map(scale).collect();
     let difference = |f: fn(f64) -> f64, from: f64, to: f64| (f(to) - f(from)) as f32;
     let row = |row: u32| {
-        // Antiderivatives integral sin t times 1, cos t, sin t; cos^2 t, sin t cos t, sin^2 t.
+        // Antiderivatives of sin t times 1, cos t, sin t; cos^2 t, sin t cos t, sin^2 t.
         let integral = |f| difference(f, sky.polar(row), sky.polar(row + 1));
         SkyRow {
             first: [
