@@ -39,7 +39,7 @@ const PARTS: [&str; 9] = [
 ];
 
 fn main() {
-    // All of `src`: what names the commit runs again when the program changes, and not for a commit alone.
+    // All of `src`, so that the commit is named anew when the program changes, but not for a commit alone.
     for input in ["build.rs", "Cargo.toml", "Cargo.lock", "glsl", "src", SHIPPED].into_iter().chain(OUTSIDE) {
         if Path::new(input).exists() {
             println!("cargo::rerun-if-changed={input}");
@@ -117,7 +117,7 @@ fn run() -> Result<(), String> {
     let made_of = self::hash(&all, &format!("{header}{scripts}{shipped}{}", compiler()))?;
     let (note, there) = (out.join("made-of"), jobs.iter().all(|job| job.target.exists()));
     if !there || fs::read_to_string(&note).ok().as_deref() != Some(&made_of) {
-        // Until all are made, they are of no one state.
+        // Until all are made, they are a mixture of old and new ones.
         let _ = fs::remove_file(&note);
         compile_all(jobs, &out, &header)?;
         fs::write(&note, made_of).map_err(|e| e.to_string())?;
@@ -175,7 +175,7 @@ fn hash(sources: &[PathBuf], header: &str) -> Result<String, String> {
     Ok(format!("{hash:016x}"))
 }
 
-/// Compiles all of them, on as many threads as cargo allows.
+/// Compiles these kernels, on as many threads as cargo allows.
 fn compile_all(jobs: Vec<Job>, out: &Path, header: &str) -> Result<(), String> {
     let threads = env::var("NUM_JOBS").ok().and_then(|n| n.parse().ok()).unwrap_or(2_usize).min(jobs.len());
     let (jobs, failures) = (Mutex::new(VecDeque::from(jobs)), Mutex::new(Vec::new()));

@@ -26,10 +26,10 @@ pub fn phase<T>(name: &'static str, work: impl FnOnce() -> T) -> T {
     let result = work();
     let all = begin.elapsed();
     SPENT.with_borrow_mut(|spent| {
-        let own = all.saturating_sub(spent.inside);
+        let alone = all.saturating_sub(spent.inside);
         match spent.phases.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, sum)) => *sum += own,
-            None => spent.phases.push((name, own)),
+            Some((_, sum)) => *sum += alone,
+            None => spent.phases.push((name, alone)),
         }
         spent.inside = outer + all;
     });

@@ -117,8 +117,8 @@ impl Adapter {
         self.ids.driver == vk::DriverId::MESA_LLVMPIPE.as_raw()
     }
 
-    /// Numbers all, and adds the number to names that several have, `llvmpipe #0` and `llvmpipe #1`: results go by
-    /// names.
+    /// Numbers all adapters, and adds the number to names that several have, `llvmpipe #0` and `llvmpipe #1`: results
+    /// go by names.
     pub(super) fn tell_apart(adapters: &mut [Self]) {
         let names: Vec<String> = adapters.iter().map(|adapter| adapter.name.clone()).collect();
         for (index, adapter) in adapters.iter_mut().enumerate() {

@@ -46,7 +46,9 @@ impl Memory {
     pub(super) fn names(&self) -> Vec<String> {
         let Ok(allocator) = self.allocator.lock() else { return Vec::new() };
         let report = allocator.as_ref().map(Allocator::generate_report);
-        report.map(|report| report.allocations.into_iter().map(|one| one.name).collect()).unwrap_or_default()
+        report
+            .map(|report| report.allocations.into_iter().map(|allocation| allocation.name).collect())
+            .unwrap_or_default()
     }
 
     pub(super) fn allocate(&self, description: &AllocationCreateDesc<'_>, doing: &str) -> Result<Allocation> {

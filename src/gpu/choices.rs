@@ -157,14 +157,14 @@ choice!(
     Without = "none" "nothing",
 );
 
-/// A value that is that of a field.
+/// A value that sets a field.
 macro_rules! value {
     ($name:literal, $about:literal, $($field:ident).+ = $value:expr) => {
         Value { name: $name, about: $about, set: |choices| choices.$($field).+ = $value }
     };
 }
 
-/// A number of invocations for all kernels that leave it open.
+/// Sets the number of invocations of all kernels that leave it open.
 fn grouped(choices: &mut Choices, size: u32) {
     choices.groups.insert(String::new(), size);
 }
@@ -236,7 +236,7 @@ impl Axis {
 impl Choices {
     /// Invocations of a group of this kernel, if they are chosen.
     pub(super) fn group(&self, kernel: &str) -> Option<u32> {
-        let own = self.groups.iter().find(|(stage, _)| kernel.split('/').any(|part| part == stage.as_str()));
-        own.map(|(_, size)| *size).or_else(|| self.groups.get("").copied())
+        let chosen = self.groups.iter().find(|(stage, _)| kernel.split('/').any(|part| part == stage.as_str()));
+        chosen.map(|(_, size)| *size).or_else(|| self.groups.get("").copied())
     }
 }

@@ -2,8 +2,8 @@
 //! ones. The build script includes this file where it builds shaderc itself.
 
 /// Compiles one shader, optimised to a level and with a macro defined, if there is one; a warning is an error, and
-/// messages name file and line. `include` finds a file by the name in
-/// the `#include`, and returns the name for messages and the text.
+/// messages name file and line. `include` finds a file by the name in the `#include`, and returns the name for messages
+/// and the text.
 pub fn compile(
     compiler: &shaderc::Compiler,
     source: &str,

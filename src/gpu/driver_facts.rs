@@ -81,13 +81,17 @@ impl Kernel {
             let name = "vkGetPipelineExecutableStatisticsKHR";
             // SAFETY: as above; the pipeline has an executable of this index.
             let known = vk_call(name, &doing, || unsafe { functions.get_pipeline_executable_statistics(&info) })?;
-            found.extend(known.iter().map(|one| Statistic { name: words(one.name_as_c_str()), value: value(one) }));
+            found.extend(
+                known
+                    .iter()
+                    .map(|statistic| Statistic { name: words(statistic.name_as_c_str()), value: value(statistic) }),
+            );
         }
         Ok(found)
     }
 }
 
-/// A fixed text of the driver's.
+/// A text that the driver wrote into an array; empty where it has no end.
 fn words(text: std::result::Result<&CStr, impl std::error::Error>) -> String {
     text.map_or_else(|_| String::new(), |text| text.to_string_lossy().into_owned())
 }

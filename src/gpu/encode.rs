@@ -42,7 +42,7 @@ pub(super) struct Encoded {
 }
 
 impl Encoded {
-    /// Records a list, with timestamps round so many parts.
+    /// Records a list, with timestamps around its first `timed_parts` parts.
     pub(super) fn new(device: &LogicalDevice, list: Vec<Entry>, timed_parts: usize) -> Result<Self> {
         let doing = "recording a frame";
         let mut encoded = Self {
@@ -179,7 +179,7 @@ impl Encoded {
         Ok(())
     }
 
-    /// Records that these parts have no timestamps yet; on another queue than the first this can't be done for all.
+    /// Records that these parts have no timestamps yet; with several queues each step does this for its parts.
     fn reset_queries(&self, part: usize, count: usize) {
         let end = (part + count).min(self.timed_parts);
         if part < end {
@@ -239,7 +239,7 @@ impl Encoded {
     }
 }
 
-/// How many parts begin before the one ends that has begun.
+/// The number of parts that begin before the open one ends.
 fn inner_parts(list: &[Entry]) -> usize {
     let (mut open, mut count) = (1, 0);
     for entry in list {

@@ -13,11 +13,11 @@ use super::memory::Buffer;
 use super::record::{Recorder, Work};
 use crate::error::{Error, Result};
 
-/// The kernel.
+/// The name of the kernel.
 pub const EXECUTES: &str = "measure/executes";
 /// Words of its buffer: the number, and what the kernel writes.
 const WORDS: usize = 16;
-/// What the host writes in their place before.
+/// What the host writes there before the kernel runs.
 const POISON: u32 = 0xffc0_dead;
 
 /// A dispatch at the end of a submission, by which the host knows that the device executed it.

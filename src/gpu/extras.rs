@@ -105,8 +105,8 @@ impl Features {
     }
 }
 
-/// The capabilities that a module declares, each with the feature that it needs, if any; or the name of one that
-/// the program has no feature for.
+/// The capabilities of a module that need a feature, each with that feature; or the name of one that the program has
+/// no feature for.
 pub(super) fn needed(words: &[u32]) -> Result<Vec<(Capability, &'static str)>, String> {
     let mut found = Vec::new();
     for instruction in instructions(words).filter(|instruction| instruction.op == Some(Op::Capability)) {

@@ -23,9 +23,10 @@ use crate::phases::phase;
 
 /// A kernel that takes less is not compiled but read from the driver's cache.
 const COMPILED: Duration = Duration::from_millis(15);
-/// After so many that were read, the rest is not worth the asking: the largest come first.
+/// After this many kernels that were read, the threads stop: the largest come first, so the others are in the driver's
+/// cache, too.
 const READ: usize = 2;
-/// At most so many devices.
+/// Maximum number of devices.
 const MOST: usize = 16;
 /// Bytes of the buffer that is bound everywhere.
 const BOUND: u64 = 1 << 16;

@@ -122,12 +122,12 @@ impl Instance {
     pub fn layer(&self) -> Option<String> {
         // SAFETY: a plain query on a loaded entry.
         let layers = unsafe { self.0.entry.enumerate_instance_layer_properties() }.unwrap_or_default();
-        let own = layers.iter().find(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION));
+        let found = layers.iter().find(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION));
         let version = |packed: u32| {
             let [major, minor] = [vk::api_version_major(packed), vk::api_version_minor(packed)];
             format!("{major}.{minor}.{}", vk::api_version_patch(packed))
         };
-        own.filter(|_| self.validates()).map(|layer| version(layer.spec_version))
+        found.filter(|_| self.validates()).map(|layer| version(layer.spec_version))
     }
 
     /// Whether the validation layer watches it.

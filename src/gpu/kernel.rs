@@ -156,8 +156,8 @@ impl Kernel {
     fn described(device: &LogicalDevice, name: &str, words: &[u32], constants: &[u32], shape: Shape) -> Result<Self> {
         let found = reflect(name, words)?;
         let group = shape.group.unwrap_or(found.group);
-        let built = words_of(name).is_ok_and(|own| own == words)
-            || words_without_subgroups(name).is_some_and(|own| own == words);
+        let built = words_of(name).is_ok_and(|known| known == words)
+            || words_without_subgroups(name).is_some_and(|known| known == words);
         check(device, &found, group, (constants.len(), built), &format!("preparing kernel {name}"))?;
         Ok(Self {
             pipeline: vk::Pipeline::null(),

@@ -34,7 +34,7 @@ pub(super) struct BoundRange {
 /// How many groups a dispatch has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Groups {
-    /// So many.
+    /// This many in each dimension.
     Direct([u32; 3]),
     /// As many as three numbers in a buffer say.
     Counted { range: BoundRange },

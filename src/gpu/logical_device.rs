@@ -163,7 +163,7 @@ impl LogicalDevice {
         Ok(device)
     }
 
-    /// How it is used.
+    /// The choices by which it is used.
     pub fn choices(&self) -> &Choices {
         &self.0.choices
     }

@@ -73,7 +73,7 @@ impl Buffer {
             location,
             linear: true,
             allocation_scheme: match device.choices().memory {
-                // Not what copies pass through.
+                // Staging buffers have no allocation of their own.
                 MemoryKind::Dedicated if location == MemoryLocation::GpuOnly => AllocationScheme::DedicatedBuffer(raw),
                 _ => AllocationScheme::GpuAllocatorManaged,
             },

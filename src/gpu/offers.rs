@@ -17,7 +17,7 @@ pub struct Offers {
     /// The smallest and the largest subgroup size that a pipeline can require; none without
     /// `VK_EXT_subgroup_size_control`.
     subgroups: Option<[u32; 2]>,
-    /// Whether a pipeline can require that no subgroup has room left, by the same extension.
+    /// Whether a pipeline can require that all subgroups are full, by the same extension.
     pub(super) full_subgroups: bool,
     /// Whether kernels can shuffle values in a subgroup.
     pub(super) shuffles: bool,
@@ -38,7 +38,7 @@ impl Offers {
     pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Self {
         // SAFETY: a plain query on a device of this instance.
         let extensions = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
-        let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|own| own == name));
+        let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|known| known == name));
         let mut operations = vk::PhysicalDeviceSubgroupProperties::default();
         let mut subgroups = vk::PhysicalDeviceSubgroupSizeControlProperties::default();
         let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default();

@@ -49,16 +49,16 @@ pub(super) fn waits(list: &[&Listed], barriers: Barriers) -> Vec<Option<Wait>> {
                     pending.remove(&buffer.as_raw());
                 }
             }
-            (Some(wait), Barriers::Events) => pending.values_mut().for_each(|one| {
-                one.read = one.read.filter(|at| *at > wait.after);
-                one.written = one.written.filter(|at| *at > wait.after);
+            (Some(wait), Barriers::Events) => pending.values_mut().for_each(|entry| {
+                entry.read = entry.read.filter(|at| *at > wait.after);
+                entry.written = entry.written.filter(|at| *at > wait.after);
             }),
             (Some(_), Barriers::Elided | Barriers::Every | Barriers::Synchronization2) => pending.clear(),
         }
         for (buffer, reads, writes) in uses(dispatch) {
-            let one = pending.entry(buffer.as_raw()).or_default();
-            one.read = if reads { Some(index) } else { one.read };
-            one.written = if writes { Some(index) } else { one.written };
+            let entry = pending.entry(buffer.as_raw()).or_default();
+            entry.read = if reads { Some(index) } else { entry.read };
+            entry.written = if writes { Some(index) } else { entry.written };
         }
         found.push(wait);
     }

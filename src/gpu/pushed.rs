@@ -23,7 +23,7 @@ pub(super) fn as_uniform(words: &[u32]) -> Vec<u32> {
     out.decorate(variable, Decoration::Binding, &[0]);
     let edited = out.finish(words, |out, instruction| {
         match (instruction.op, instruction.operands) {
-            (Some(Op::TypePointer), [id, PUSH, of]) => out.put(Op::TypePointer, &[*id, UNIFORM, *of]),
+            (Some(Op::TypePointer), [id, PUSH, pointee]) => out.put(Op::TypePointer, &[*id, UNIFORM, *pointee]),
             (Some(Op::Variable), [ty, id, PUSH, ..]) => out.put(Op::Variable, &[*ty, *id, UNIFORM]),
             _ => out.keep(instruction),
         }
@@ -41,14 +41,14 @@ fn constant(out: &mut Edited, declared: &Declared<'_>, ty: u32, offset: u32) -> 
             out.declare(Op::SpecConstant, &[ty, id, 0]);
             return Some(id);
         }
-        (op @ (Op::TypeVector | Op::TypeArray), [of, count]) => {
+        (op @ (Op::TypeVector | Op::TypeArray), [element, count]) => {
             let count = if op == Op::TypeArray { *declared.constants.get(count)? } else { *count };
             let stride = declared.decoration(ty, Decoration::ArrayStride).unwrap_or(4);
-            (0..count).map(|k| constant(out, declared, *of, offset + k * stride)).collect::<Option<_>>()?
+            (0..count).map(|k| constant(out, declared, *element, offset + k * stride)).collect::<Option<_>>()?
         }
         (Op::TypeStruct, members) => {
-            let member = |(k, of): (u32, &u32)| constant(out, declared, *of, offset + declared.offset(ty, k)?);
-            (0..).zip(members).map(member).collect::<Option<_>>()?
+            let part = |(k, member): (u32, &u32)| constant(out, declared, *member, offset + declared.offset(ty, k)?);
+            (0..).zip(members).map(part).collect::<Option<_>>()?
         }
         _ => return None,
     };
@@ -68,8 +68,8 @@ pub(super) fn as_specialization(words: &[u32], from: u32) -> Option<Vec<u32>> {
     let kept = (0..members.len() as u32).take_while(|k| offset(*k).is_some_and(|at| at < from)).count() as u32;
     let mut out = Edited::begin(words)?;
     let mut parts = Vec::new();
-    for (k, of) in (0..).zip(members).skip(kept as usize) {
-        parts.push(constant(&mut out, &declared, *of, offset(k)?)?);
+    for (k, member) in (0..).zip(members).skip(kept as usize) {
+        parts.push(constant(&mut out, &declared, *member, offset(k)?)?);
     }
     let whole = out.id();
     if kept == 0 {

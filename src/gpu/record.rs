@@ -40,7 +40,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Begins a frame, of which so many labelled parts are timed.
+    /// Begins a frame whose first `parts` labelled parts are timed.
     pub fn new(device: &LogicalDevice, parts: usize) -> Result<Self> {
         let timed_parts = if device.limits().timestamp_period > 0.0 { parts } else { 0 };
         Ok(Self { device: device.clone(), list: Vec::new(), timed_parts })
@@ -129,14 +129,14 @@ impl Recorder {
         Encoded::new(&self.device, self.list, self.timed_parts)?.run()
     }
 
-    /// The same, by one of the recordings that are kept where it is the same frame.
+    /// The same, by the kept recording of an equal frame, if there is one.
     pub fn submit_again(self, kept: &Recordings) -> Result<Vec<Timing>> {
         if self.device.choices().submissions != Submissions::Reused {
             return self.submit();
         }
         let mut kept = kept.0.borrow_mut();
-        let at = match kept.iter().position(|one| one.is_of(&self.list, self.timed_parts)) {
-            // The one that was used last is the last to be forgotten.
+        let at = match kept.iter().position(|recording| recording.is_of(&self.list, self.timed_parts)) {
+            // The recording that was used last is the last to be forgotten.
             Some(at) => {
                 kept[at..].rotate_left(1);
                 kept.len() - 1
@@ -166,7 +166,7 @@ const MOST_KEPT: usize = 128;
 pub struct Recordings(RefCell<Vec<Encoded>>);
 
 impl Recordings {
-    /// Forgets all: buffers that they bind are no more.
+    /// Forgets all recordings, since buffers that they bind are gone.
     pub fn clear(&self) {
         self.0.borrow_mut().clear();
     }

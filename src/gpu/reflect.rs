@@ -85,8 +85,8 @@ fn words_in(bytes: &[u8]) -> Vec<u32> {
 
 /// Whether a module has subgroup operations, by its capabilities.
 pub(super) fn has_subgroups(words: &[u32]) -> bool {
-    let of_subgroups = Capability::GroupNonUniform as u32..=Capability::GroupNonUniformQuad as u32;
-    let declares = |one: Instruction<'_>| one.op == Some(Op::Capability) && of_subgroups.contains(&one.operands[0]);
+    let subgroups = Capability::GroupNonUniform as u32..=Capability::GroupNonUniformQuad as u32;
+    let declares = |found: Instruction<'_>| found.op == Some(Op::Capability) && subgroups.contains(&found.operands[0]);
     instructions(words).any(declares)
 }
 
@@ -103,7 +103,7 @@ pub(super) struct Reflected {
     pub(super) pushed: Vec<(String, u32)>,
     /// Invocations of a group.
     pub(super) group: u32,
-    /// Of them those in the first dimension.
+    /// Invocations of a group in its first dimension.
     pub(super) across: u32,
     /// Its specialization constants by id; by those from [`GROUP_ID`] on it leaves a choice open.
     pub(super) constants: BTreeMap<u32, SpecConstant>,
@@ -135,11 +135,11 @@ fn stride(ty: &Type) -> Option<usize> {
 /// The bindings of buffers whose number of elements the module asks for.
 fn asked_lengths(words: &[u32]) -> BTreeSet<u32> {
     let declared = Declared::of(words);
-    let variable = |one: Instruction<'_>| match (one.op, one.operands) {
+    let binding = |instruction: Instruction<'_>| match (instruction.op, instruction.operands) {
         (Some(Op::ArrayLength), [_, _, variable, _]) => declared.decoration(*variable, Decoration::Binding),
         _ => None,
     };
-    instructions(words).filter_map(variable).collect()
+    instructions(words).filter_map(binding).collect()
 }
 
 /// The module with a plain constant in place of each one that is computed from others, such as `gl_WorkGroupSize.x`:

@@ -63,18 +63,20 @@ pub fn replacement(kernel: &str, file: &Path, given: &Given) -> Result<Vec<u32>>
         .expected(known)
         .into());
     }
-    let own =
+    let new =
         reflect(kernel, &words).map_err(|error| fault(format!("it can't take the place of {kernel}: {error}")))?;
-    let right = reflect(kernel, &words_of(kernel)?)?;
+    let built_in = reflect(kernel, &words_of(kernel)?)?;
     let misfit = |what: String| Input::new(format!("it can't take the place of {kernel}: it {what}")).file(file);
-    if let Some(what) = differs(&own, &right) {
+    if let Some(what) = differs(&new, &built_in) {
         return Err(misfit(what).into());
     }
-    let words = adapted(kernel, words, [&own, &right], given, &misfit)?;
+    let words = adapted(kernel, words, [&new, &built_in], given, &misfit)?;
     match reflect(kernel, &words)?.push_bytes {
-        own if own > right.push_bytes => {
+        bytes if bytes > built_in.push_bytes => {
             let what = "has a push constant of which the program sets the first bytes only";
-            Err(misfit(what.into()).expected(format!("members that end or begin at byte {}", right.push_bytes)).into())
+            Err(misfit(what.into())
+                .expected(format!("members that end or begin at byte {}", built_in.push_bytes))
+                .into())
         }
         _ => Ok(words),
     }
@@ -82,15 +84,17 @@ pub fn replacement(kernel: &str, file: &Path, given: &Given) -> Result<Vec<u32>>
 
 /// How the interface of a kernel differs from the built-in one's where it must not: it may bind fewer buffers, and only
 /// read what the built-in one reads and writes.
-fn differs(own: &Reflected, right: &Reflected) -> Option<String> {
-    for access in &own.accesses {
+fn differs(new: &Reflected, built_in: &Reflected) -> Option<String> {
+    for access in &new.accesses {
         let binding = access.binding;
-        let name = BUFFER_IDS
-            .get(binding as usize)
-            .map_or_else(|| format!("binding {binding}"), |slot| slot.spec().name.into());
-        let Some(known) = right.accesses.iter().find(|known| known.binding == binding) else {
-            let names: Vec<_> =
-                right.accesses.iter().filter_map(|a| Some(BUFFER_IDS.get(a.binding as usize)?.spec().name)).collect();
+        let name =
+            BUFFER_IDS.get(binding as usize).map_or_else(|| format!("binding {binding}"), |id| id.spec().name.into());
+        let Some(known) = built_in.accesses.iter().find(|known| known.binding == binding) else {
+            let names: Vec<_> = built_in
+                .accesses
+                .iter()
+                .filter_map(|a| Some(BUFFER_IDS.get(a.binding as usize)?.spec().name))
+                .collect();
             return Some(format!("binds {name}; the built-in one binds {}", names.join(", ")));
         };
         for (does, may, word, other) in
@@ -100,10 +104,10 @@ fn differs(own: &Reflected, right: &Reflected) -> Option<String> {
                 return Some(format!("{word} {name}, which the built-in one only {other}"));
             }
         }
-        if let (Some(own), Some(right)) = (own.strides.get(&binding), right.strides.get(&binding))
-            && own != right
+        if let (Some(new), Some(built_in)) = (new.strides.get(&binding), built_in.strides.get(&binding))
+            && new != built_in
         {
-            return Some(format!("takes elements of {name} to have {own} bytes; they have {right}"));
+            return Some(format!("takes elements of {name} to have {new} bytes; they have {built_in}"));
         }
     }
     None
@@ -130,7 +134,7 @@ fn bytes(file: &Path) -> std::result::Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// The text of such a file.
+/// The text of a plain file.
 fn read(file: &Path) -> std::result::Result<String, String> {
     let text = String::from_utf8(bytes(file)?).map_err(|_| "stream did not contain valid UTF-8".to_string())?;
     if let Some(at) = text.find('\0') {

@@ -31,10 +31,10 @@ pub(super) struct Sets {
     uniforms: Option<Uniforms>,
 }
 
-/// What would be push constants, in a uniform buffer.
+/// A uniform buffer that holds what would be push constants.
 struct Uniforms {
     set: vk::DescriptorSet,
-    /// The first byte of each dispatch's.
+    /// The first byte of each dispatch's constants.
     offsets: Vec<u32>,
     _buffer: Buffer,
 }
@@ -180,7 +180,7 @@ impl Sets {
         }
     }
 
-    /// Records what a dispatch, the one of this index, needs to be bound.
+    /// Records the bindings and push constants of the dispatch of this index.
     ///
     /// # Safety
     /// The command buffer has to be recording, and the dispatch to be one of those that were prepared.

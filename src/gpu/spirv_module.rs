@@ -90,9 +90,9 @@ impl<'a> Declared<'a> {
     /// The ids that have this decoration with this operand.
     #[cfg(feature = "measure")]
     pub(super) fn decorated(&self, what: Decoration, operand: u32) -> Vec<u32> {
-        let has = |(key, own): (&(u32, Option<u32>, u32), &u32)| {
+        let has = |(key, known): (&(u32, Option<u32>, u32), &u32)| {
             let (id, member, decoration) = *key;
-            (member.is_none() && decoration == what as u32 && *own == operand).then_some(id)
+            (member.is_none() && decoration == what as u32 && *known == operand).then_some(id)
         };
         self.decorations.iter().filter_map(has).collect()
     }
@@ -128,7 +128,7 @@ pub(super) struct Edited {
 }
 
 impl Edited {
-    /// The header; none where a module has not even that.
+    /// Begins with the header; none where a module has not even that.
     pub(super) fn begin(module: &[u32]) -> Option<Self> {
         let words = module.get(..HEADER_WORDS)?.to_vec();
         Some(Self { words, decorations: Vec::new(), declarations: Vec::new() })

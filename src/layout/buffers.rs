@@ -72,7 +72,8 @@ buffers! {
     bounds: Bounds, node;
     /// The children of wide nodes, `WIDE` each: a node of all objects, or `NONE`, and its wide node times `WIDE`.
     wide_links: [u32; 2], child;
-    /// Their boxes in the scene, with that as `next`; empty, with `face` 0, where there is no child.
+    /// The boxes of those children in the scene, with their second number as `next`; empty, with `face` 0, where there
+    /// is no child.
     wide_boxes: Bounds, child;
     /// Clusters.
     clusters: Cluster, node;
@@ -174,7 +175,7 @@ buffers! {
     edge_links: u32, chunk;
     /// Positions of all objects' vertices for which kept links were made.
     kept_positions: [f32; 3], point;
-    /// The clusters for which they were made.
+    /// The clusters for which kept links were made.
     kept_clusters: Cluster, node;
     /// What has changed below each cluster since then: bits `ALTERED_`.
     change_flags: u32, node;

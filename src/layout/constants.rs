@@ -15,7 +15,7 @@ pub struct Constant {
 pub trait Shared {
     /// Its GLSL type.
     fn kind() -> String;
-    /// It as a GLSL expression, exact up to rounding to GLSL's type.
+    /// The value as a GLSL expression, exact up to rounding to GLSL's type.
     fn value(&self) -> String;
 }
 

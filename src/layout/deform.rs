@@ -19,7 +19,7 @@ records! { deform_records:
         toward: [f32; 3],
         /// Height of the low end along the axis, from `origin`.
         low: f32,
-        /// From the low end to the high one.
+        /// Length from the low end to the high one.
         extent: f32,
         /// Turns a length; or one over a bump's squared radius, or over the size of the noise's features.
         rate: f32,
@@ -40,7 +40,7 @@ records! { deform_records:
         /// How much it counts; the sum over the joints of a vertex is 1.
         weight: f32,
     }
-    /// From the frame in which vertices are bound to that of the object.
+    /// The matrix of a joint: to the object's frame from the frame in which vertices are bound.
     SkinMatrix {
         /// The first row.
         x: [f32; 4],

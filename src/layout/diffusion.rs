@@ -21,11 +21,11 @@ records! { diffusion_records:
     }
     /// Where a cluster's layers are, and the charge of its single layer, per channel.
     LayerPlace {
-        /// Middle.
+        /// x of the middle.
         x: [f32; 3],
-        /// Middle.
+        /// y of the middle.
         y: [f32; 3],
-        /// Middle.
+        /// z of the middle.
         z: [f32; 3],
         /// Sum of b / z_b, b a triangle's value times its area.
         charge: [f32; 3],

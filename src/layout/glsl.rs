@@ -20,8 +20,8 @@ pub fn declarations() -> String {
         }
         text.push_str(" };\n");
     }
-    for &slot in super::BUFFER_IDS {
-        let (spec, binding) = (slot.spec(), slot as usize);
+    for &id in super::BUFFER_IDS {
+        let (spec, binding) = (id.spec(), id as usize);
         for (word, qualifier) in
             [("READS", "readonly"), ("WRITES", "writeonly"), ("UPDATES", ""), ("SHARES", "coherent")]
         {

@@ -60,9 +60,9 @@ constants! {
 
     /// `ObjectParams.reflection`: the surface reflects nothing.
     REFLECTION_NONE: u32 = 0;
-    /// By Phong's lobe.
+    /// It reflects by Phong's lobe.
     REFLECTION_PHONG: u32 = 1;
-    /// By GGX microfacets.
+    /// It reflects by GGX microfacets.
     REFLECTION_GGX: u32 = 2;
 
     /// How the depths of an object's layers are looked up: they are the same everywhere.
@@ -128,6 +128,6 @@ constants! {
 
     /// Bits of `change_flags`: a triangle of the cluster has moved since links were made.
     ALTERED_MOVED: u32 = 1;
-    /// Another light enters one than was summed last.
+    /// The light that enters a triangle of the cluster is not the one that was summed last.
     ALTERED_RELIT: u32 = 2;
 }

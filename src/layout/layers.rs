@@ -19,7 +19,7 @@ records! { layer_records:
         first_texel: u32,
         /// Width and height of its depth maps, in texels.
         size: [u32; 2],
-        /// What they are beyond their edges: a `WRAP_`.
+        /// How they continue beyond their edges: a `WRAP_`.
         wrap: u32,
         /// Steps along a ray.
         samples: u32,
@@ -81,7 +81,7 @@ records! { layer_records:
         c: [f32; 2],
         /// Centre of the first texel of its island's margin; whole numbers.
         low: [f32; 2],
-        /// Centre of the last one.
+        /// Centre of the last texel of the margin.
         high: [f32; 2],
     }
     /// The vertices of a cluster; each vertex belongs to the first triangle around it.

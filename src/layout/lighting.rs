@@ -22,9 +22,9 @@ records! { light_records:
         outer: f32,
         /// The number of its bit in `lit`, or `pixel_lit`; `NONE` if it casts no shadow.
         shadow: u32,
-        /// The edges of an area that each pixel sees another point of; `place` is its centre.
+        /// One edge of an area of which each pixel sees another point; `place` is its centre.
         edge_u: [f32; 3],
-        /// Its other edge.
+        /// The other edge of the area.
         edge_v: [f32; 3],
         /// Which of its light's points, or rays to the environment, of one sample of a pixel this is.
         number: u32,

@@ -13,8 +13,8 @@ records! { list_records:
         chance: f32,
         /// Its radiosity.
         value: [f32; 3],
-        /// The square of the irradiance that enters it, of the object's mean, times its share of the area over its
-        /// chance.
+        /// The square of the irradiance that enters it, as a multiple of the object's mean, times its share of the area
+        /// over its chance.
         light: f32,
     }
     /// Where a receiver's lists lie in its chunk.
@@ -43,7 +43,7 @@ records! { list_records:
         /// The node that emits.
         emitter: u32,
     }
-    /// How full an object's lists are, and the capacity that they need; padded as its frame is.
+    /// How full an object's lists are, and the capacity that they need; padded as `ObjectParams` is.
     ListCounters {
         /// Links of this chunk.
         links: u32,
@@ -128,7 +128,7 @@ records! { list_records:
 }
 
 impl ListCounters {
-    /// At the start of a frame's lists: empty, and for the contrast of now.
+    /// The counters at the start of a frame's lists: empty, and for the contrast of now.
     #[must_use]
     pub fn opened(&self) -> Self {
         Self { contrast: self.contrast, served: self.contrast, ..Self::default() }

@@ -62,7 +62,7 @@ plain! {
     [u32; 32], "uint[32]", 32, Unsigned;
 }
 
-// A device may ask for up to 256 bytes between two places that are bound.
+// A device may require that offsets of bound parts are multiples of up to 256 bytes.
 const _: () = assert!(size_of::<ObjectParams>().is_multiple_of(256) && size_of::<ListCounters>().is_multiple_of(256));
 const _: () = assert!(size_of::<WalkParams>().is_multiple_of(256));
 
@@ -119,7 +119,7 @@ macro_rules! records {
 pub struct BufferSpec {
     /// Its name on both sides.
     pub name: &'static str,
-    /// What there is one element for.
+    /// What each element belongs to: `face`, `pixel`.
     pub per: &'static str,
     /// GLSL type of an element.
     pub glsl: &'static str,
@@ -245,20 +245,20 @@ macro_rules! buffers {
 
         impl Buffers {
             /// The bytes of a buffer.
-            pub fn bytes(&self, slot: BufferId) -> &[u8] {
-                match slot { $(BufferId::$name => bytemuck::cast_slice(&self.$name),)* }
+            pub fn bytes(&self, id: BufferId) -> &[u8] {
+                match id { $(BufferId::$name => bytemuck::cast_slice(&self.$name),)* }
             }
-            /// Makes a buffer as long as this, with zeros where it grows.
-            pub fn resize(&mut self, slot: BufferId, elements: usize) {
-                match slot { $(BufferId::$name => self.$name.resize(elements, <$kind as bytemuck::Zeroable>::zeroed()),)* }
+            /// Makes a buffer this many elements long, with zeros where it grows.
+            pub fn resize(&mut self, id: BufferId, elements: usize) {
+                match id { $(BufferId::$name => self.$name.resize(elements, <$kind as bytemuck::Zeroable>::zeroed()),)* }
             }
-            /// Makes a buffer as long as this, all zeros. Memory that nobody touches costs nothing.
-            pub fn clear(&mut self, slot: BufferId, elements: usize) {
-                match slot { $(BufferId::$name => self.$name = bytemuck::allocation::zeroed_vec(elements),)* }
+            /// Makes a buffer this many elements long, all zeros. Memory that nobody touches costs nothing.
+            pub fn clear(&mut self, id: BufferId, elements: usize) {
+                match id { $(BufferId::$name => self.$name = bytemuck::allocation::zeroed_vec(elements),)* }
             }
             /// The bytes of a buffer, to be overwritten.
-            pub fn bytes_mut(&mut self, slot: BufferId) -> &mut [u8] {
-                match slot { $(BufferId::$name => bytemuck::cast_slice_mut(&mut self.$name),)* }
+            pub fn bytes_mut(&mut self, id: BufferId) -> &mut [u8] {
+                match id { $(BufferId::$name => bytemuck::cast_slice_mut(&mut self.$name),)* }
             }
         }
     };

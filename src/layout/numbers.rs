@@ -32,7 +32,8 @@ constants! {
     /// Children of a wide node, at most.
     WIDE: usize = 8;
 
-    /// Invocations that walk through it together, at least; it sets how many teams a group has room for.
+    /// The least number of invocations that walk through a wide node together; it sets how many teams a group has room
+    /// for.
     LEAST_TEAM: usize = 4;
     /// Each coordinate of the lower corner of a box that no ray meets, and of the upper one negated.
     NO_BOX: f32 = 1e30;
@@ -184,10 +185,10 @@ constants! {
 
     /// Vectors of a Krylov space beyond the first one, at most.
     MOST_STEPS: usize = 30;
-    /// Even light of which the operator of diffusion makes this much has clusters as exact as the tolerance says.
+    /// The gain of the operator of diffusion for even light at which clusters are as exact as the tolerance says.
     GAIN_OF_ONE: f32 = 0.75;
-    /// Where it makes less, clusters are more exact, at most by this factor; never less, since light of both signs has
-    /// no share in the gain.
+    /// With a smaller gain clusters are more exact, at most by this factor; with a larger one they are never less,
+    /// since light of both signs has no share in the gain.
     LEAST_GAIN: f32 = 1e-3;
     /// A triangle is elongated where the square of its longest edge is more than this many times twice its area.
     ELONGATED: f32 = 20.0;

@@ -23,8 +23,8 @@ impl Buffers {
 
     /// The buffer that is bound where a kernel names this one.
     #[must_use]
-    pub fn bound(&self, slot: BufferId) -> BufferId {
-        match slot {
+    pub fn bound(&self, id: BufferId) -> BufferId {
+        match id {
             BufferId::placed_positions if self.placed_positions.is_empty() => BufferId::positions,
             BufferId::placed_normals if self.placed_normals.is_empty() => BufferId::normals,
             BufferId::placed_bounds if self.placed_bounds.is_empty() => BufferId::bounds,

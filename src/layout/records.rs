@@ -5,8 +5,8 @@ use bytemuck::{Pod, Zeroable};
 use super::{Element, Record, Word};
 
 records! { frame_records:
-    /// What holds for an object in the whole frame, padded so that it can be bound by itself. Lengths are internal: the
-    /// scene has unit extent.
+    /// The parameters of an object that hold in the whole frame, padded so that it can be bound by itself. Lengths are
+    /// internal: the scene has unit extent.
     ObjectParams {
         /// Its first triangle among those of all objects.
         first_face: u32,
@@ -18,11 +18,11 @@ records! { frame_records:
         first_deform: u32,
         /// Number of those.
         deforms: u32,
-        /// The first node of the next object, or their number.
+        /// The first node of the next object; of the last object, the number of nodes of all.
         next_node: u32,
         /// Number of nodes of all objects, gaps between them included.
         scene_nodes: u32,
-        /// Its first receiver likewise.
+        /// Its first receiver among those of all objects.
         first_receiver: u32,
         /// Not 0 if its receivers are the places that pixels show, 0 if they are its triangles.
         by_pixel: u32,
@@ -44,7 +44,7 @@ records! { frame_records:
         two_sided: u32,
         /// Size of the environment's image, in pixels.
         sky: [u32; 2],
-        /// Turns from the left edge of that image to the azimuth of +y to -z, as turned: 0.5 where it is not.
+        /// Turns from the left edge of that image to -z in the scene: 0.5 where the environment is not rotated.
         sky_turn: f32,
         /// What the surface reflects: a `REFLECTION_`.
         reflection: u32,
@@ -52,7 +52,8 @@ records! { frame_records:
         roughness: f32,
         /// Where light is multiplied by the texture: bits `TEXTURE_`.
         texture_side: u32,
-        /// What the texture is beyond its left and right edges, and beyond its lower and upper ones: a `WRAP_` each.
+        /// How the texture continues beyond its left and right edges, and beyond its lower and upper ones: a `WRAP_`
+        /// each.
         texture_wrap: [u32; 2],
         /// Its width and height, in texels.
         texture_size: [u32; 2],
@@ -89,7 +90,7 @@ records! { frame_records:
         z_virtual: [f32; 3],
         /// Relative index of refraction, per channel.
         eta: [f32; 3],
-        /// What light that leaves is multiplied by: 1, or 1 / (1 - F_ext), per channel.
+        /// Factor on light that leaves: 1, or 1 / (1 - F_ext), per channel.
         exit: [f32; 3],
         /// Number of blocks of receivers.
         blocks: u32,
@@ -119,7 +120,7 @@ records! { frame_records:
         sigma_0_size: [u32; 2],
         /// Its first texel.
         sigma_0_first: u32,
-        /// The number of its texture coordinates' sheets, from 1; 0 where its light is not blurred over them.
+        /// Its number in `unwrappings`, from 1; 0 where its light is not blurred over texture coordinates.
         irradiance_map: u32,
         /// What turns it from its own frame into the scene: the first row of a matrix.
         turn_x: [f32; 3],

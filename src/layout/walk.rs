@@ -17,7 +17,7 @@ records! { walk_records:
         photons: u32,
         /// Photons under way at once, a multiple of 3: a third of each channel.
         slots: u32,
-        /// Another one makes other photons.
+        /// Seed of the photons' random numbers.
         seed: u32,
         /// Unused.
         padding: [u32; 32],

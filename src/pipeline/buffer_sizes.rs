@@ -17,12 +17,12 @@ pub const RESULTS: [BufferId; 6] = [
 ];
 
 /// Number of elements of a buffer that stages write: as a stage declares, or as its partition implies.
-fn elements(state: &State, slot: BufferId) -> usize {
+fn elements(state: &State, id: BufferId) -> usize {
     let Extent { vertices, faces, nodes, blocks, receivers } = state.extent();
-    if let Some(Size::Elements(count) | Size::Grows(count)) = declared(slot) {
+    if let Some(Size::Elements(count) | Size::Grows(count)) = declared(id) {
         return count(state);
     }
-    match slot.spec().partition {
+    match id.spec().partition {
         Partition::Object => state.objects.len(),
         Partition::Vertex => vertices,
         Partition::Start => vertices + 1,
@@ -40,25 +40,25 @@ fn elements(state: &State, slot: BufferId) -> usize {
 }
 
 /// The size that a stage declares for a buffer.
-fn declared(slot: BufferId) -> Option<Size> {
-    STAGES.iter().flat_map(|stage| stage.sizes).find(|(sized, _)| *sized == slot).map(|(_, size)| *size)
+fn declared(id: BufferId) -> Option<Size> {
+    STAGES.iter().flat_map(|stage| stage.sizes).find(|(sized, _)| *sized == id).map(|(_, size)| *size)
 }
 
 /// Whether the size of a buffer is a guess that a frame may correct.
-pub fn grows(slot: BufferId) -> bool {
-    matches!(declared(slot), Some(Size::Grows(_)))
+pub fn grows(id: BufferId) -> bool {
+    matches!(declared(id), Some(Size::Grows(_)))
 }
 
 /// Whether a frame of this plan needs a buffer that stages write.
-fn wanted(state: &State, plan: &Plan, slot: BufferId) -> bool {
+fn wanted(state: &State, plan: &Plan, id: BufferId) -> bool {
     // In local shading only stage `shade`, and what it needs, reads radiosity.
     let carries = state.method.local.is_none() || plan.has(&shade::STAGE);
-    match slot {
+    match id {
         BufferId::irradiance | BufferId::radiosity | BufferId::vertex_radiosity => carries,
         BufferId::estimate => state.method.estimate,
         // Without light no stage writes this, but `shade` still reads it, and finds no radiosity.
         BufferId::seen => state.objects.iter().any(|object| object.by_pixel),
-        _ => plan.writes(slot) || RESULTS.contains(&slot),
+        _ => plan.writes(id) || RESULTS.contains(&id),
     }
 }
 
@@ -68,20 +68,20 @@ pub fn size(state: &mut State, plan: &Plan) {
     resize(state, plan, |_| true);
 }
 
-/// The same, but leaves buffers as they are whose size is right.
+/// The same, but leaves buffers whose size is right as they are.
 pub fn adjust(state: &mut State, plan: &Plan) {
-    let right = |state: &State, slot: BufferId| {
-        let count = if wanted(state, plan, slot) { elements(state, slot) } else { 0 };
-        state.data.bytes(slot).len() == count * slot.spec().stride
+    let right = |state: &State, id: BufferId| {
+        let count = if wanted(state, plan, id) { elements(state, id) } else { 0 };
+        state.data.bytes(id).len() == count * id.spec().stride
     };
-    let wrong: Vec<BufferId> = BUFFER_IDS.iter().copied().filter(|slot| !right(state, *slot)).collect();
-    resize(state, plan, |slot| wrong.contains(&slot));
+    let wrong: Vec<BufferId> = BUFFER_IDS.iter().copied().filter(|id| !right(state, *id)).collect();
+    resize(state, plan, |id| wrong.contains(&id));
 }
 
 /// The same for the buffers that `chosen` accepts.
 pub fn resize(state: &mut State, plan: &Plan, chosen: impl Fn(BufferId) -> bool) {
-    for slot in BUFFER_IDS.iter().copied().filter(|slot| chosen(*slot) && !Plan::is_input(*slot)) {
-        let count = if wanted(state, plan, slot) { elements(state, slot) } else { 0 };
-        state.data.clear(slot, count);
+    for id in BUFFER_IDS.iter().copied().filter(|id| chosen(*id) && !Plan::is_input(*id)) {
+        let count = if wanted(state, plan, id) { elements(state, id) } else { 0 };
+        state.data.clear(id, count);
     }
 }

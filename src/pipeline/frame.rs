@@ -181,7 +181,7 @@ pub fn parts() -> impl Iterator<Item = &'static Part> {
 /// Room for all stages; with more of them [`STAGES`] does not compile.
 const MOST_STAGES: usize = 128;
 
-/// Every stage in the order of the frame, then the queries; how many they are.
+/// Every stage in the order of the frame, then the queries; and their number.
 static ALL: ([&Stage; MOST_STAGES], usize) = {
     let mut all = [QUERIES[0]; MOST_STAGES];
     let (mut count, mut s) = (0, 0);

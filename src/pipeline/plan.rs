@@ -54,8 +54,8 @@ impl Plan {
     }
 
     /// Whether a stage of the plan writes a buffer.
-    pub fn writes(&self, slot: BufferId) -> bool {
-        self.stages.iter().any(|stage| stage.writes(slot))
+    pub fn writes(&self, id: BufferId) -> bool {
+        self.stages.iter().any(|stage| stage.writes(id))
     }
 
     /// The steps of a frame after these changes.
@@ -96,13 +96,13 @@ impl Plan {
 
     /// The buffers that are inputs.
     pub fn inputs() -> impl Iterator<Item = BufferId> {
-        BUFFER_IDS.iter().copied().filter(|slot| Self::is_input(*slot))
+        BUFFER_IDS.iter().copied().filter(|id| Self::is_input(*id))
     }
 
     /// Whether a buffer is an input: no stage writes it, or stages write it in some cases only (`blocks` where the
     /// receivers are pixels, `positions` of objects that deform).
-    pub fn is_input(slot: BufferId) -> bool {
-        [BufferId::blocks, BufferId::positions].contains(&slot) || !STAGES.iter().any(|stage| stage.writes(slot))
+    pub fn is_input(id: BufferId) -> bool {
+        [BufferId::blocks, BufferId::positions].contains(&id) || !STAGES.iter().any(|stage| stage.writes(id))
     }
 }
 

@@ -23,11 +23,12 @@ pub(super) fn reason(stage: &Stage, state: &State, options: Options) -> Option<S
     }
     let carriers = state.carriers(options.transport);
     if !carriers.iter().any(|carrier| stage.carriers.contains(carrier)) {
-        let join =
-            |of: fn(&Carrier) -> &'static str, list: &[Carrier]| list.iter().map(of).collect::<Vec<_>>().join(" and ");
-        let [instead, own] =
+        let join = |words: fn(&Carrier) -> &'static str, list: &[Carrier]| {
+            list.iter().map(words).collect::<Vec<_>>().join(" and ")
+        };
+        let [instead, needed] =
             [join(|carrier| carrier.instead(), &carriers), join(|carrier| carrier.name(), stage.carriers)];
-        return Some(format!("{instead}; part of {own}"));
+        return Some(format!("{instead}; part of {needed}"));
     }
     let nobody = || !state.objects.iter().any(|object| (stage.serves.object)(object, &state.method));
     (stage.skip)(state).or_else(|| nobody().then_some(stage.serves.none)).map(String::from)

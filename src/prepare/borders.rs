@@ -17,11 +17,11 @@ pub fn borders(state: &mut State, trees: &[Tree]) {
         }
         let first = data.border_edges.len() as u32;
         let triangles = &data.triangles[object.first.faces..][..object.count.faces];
-        let own = border::borders(tree, triangles, MOST_BORDER);
-        for (place, [start, count]) in data.borders[object.first.nodes..].iter_mut().zip(own.runs) {
+        let found = border::borders(tree, triangles, MOST_BORDER);
+        for (place, [start, count]) in data.borders[object.first.nodes..].iter_mut().zip(found.runs) {
             *place = [if count > 0 { first + start } else { 0 }, count];
         }
-        data.border_edges.extend(own.edges);
+        data.border_edges.extend(found.edges);
         params.projected = 1;
     }
 }

@@ -24,7 +24,7 @@ use rstar::primitives::Line;
 use crate::error::{Input, Result};
 use crate::scene::{Material, Memory, Mesh};
 
-/// The longest edge near a crease, in units of that distance.
+/// The longest edge near a crease, in units of the distance over which radiosity changes there.
 const STEP: f64 = 0.5;
 /// A mesh is divided where triangles are more than this factor too long on more than this share of its surface.
 const MUCH: f64 = 2.0;
@@ -68,11 +68,11 @@ impl Long {
         let across = (high - low).length();
         let step = STEP * (0..3).map(distance).fold(f64::INFINITY, f64::min);
         let least = step.clamp(FINEST * across, COARSEST * across);
-        // In order, so that every run decides alike.
+        // Summed in order, so that every run decides alike.
         let area = |which: &dyn Fn([DVec3; 3]) -> bool| -> f64 {
             let faces = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face));
-            let of = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
-            faces.filter(|&corners| which(corners)).map(of).sum()
+            let area_of = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
+            faces.filter(|&corners| which(corners)).map(area_of).sum()
         };
         // Creases are found where lengths alone leave it open.
         let much = SHARE * area(&|_| true);
@@ -108,7 +108,7 @@ pub struct Divided {
     pub mesh: Mesh,
     /// For each part the triangle that it came from.
     pub from: Vec<u32>,
-    /// How many are too long still, since there would be too many.
+    /// How many parts are too long still, since dividing them would make too many.
     pub left: usize,
 }
 
@@ -129,9 +129,9 @@ pub fn divide(mesh: &Mesh, material: &Material, memory: &Memory) -> Result<Optio
             let what = "triangles that are long against the mean free path do not fit the memory when divided";
             Input::new(what).key("transport.receivers").found(error).expected("a finer mesh, or faces")
         })?;
-        let (finer, of) = fine.bisect(|face| cut[face]);
-        open = of.iter().map(|&part| cut[part as usize]).collect();
-        from = of.iter().map(|&part| from[part as usize]).collect();
+        let (finer, parents) = fine.bisect(|face| cut[face]);
+        open = parents.iter().map(|&part| cut[part as usize]).collect();
+        from = parents.iter().map(|&part| from[part as usize]).collect();
         fine = finer;
     }
 }

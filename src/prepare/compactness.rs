@@ -56,8 +56,8 @@ impl Compactness {
         if matches!(hierarchy, Hierarchy::Butterfly | Hierarchy::ShrinkWrap) {
             return None;
         }
-        let own = records(object, units.own(object));
-        let place = |Corner { vertex, place, normal }: Corner| -> DVec3 { wide(own.moved(vertex, place, normal)) };
+        let deforms = records(object, units.own(object));
+        let place = |Corner { vertex, place, normal }: Corner| -> DVec3 { wide(deforms.moved(vertex, place, normal)) };
         let now = self.sample.relative_radius(self.corners.iter().map(|corners| corners.map(place)));
         let growth = now / self.at_rest;
         (growth > SPOILT).then_some(growth)

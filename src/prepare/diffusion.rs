@@ -11,8 +11,8 @@ const BINDING: usize = 1 << 27;
 pub(crate) fn steps(scene: &Scene) -> u32 {
     let translucent = scene.objects.iter().filter(|object| object.material.opaque.is_none());
     let faces = translucent.map(|object| object.mesh.triangles.len()).max().unwrap_or(1).max(1);
-    let room = (BINDING / 12 / faces).saturating_sub(1).clamp(2, MOST_STEPS) as u32;
-    scene.transport.steps.unwrap_or(MOST_STEPS as u32).min(room)
+    let most = (BINDING / 12 / faces).saturating_sub(1).clamp(2, MOST_STEPS) as u32;
+    scene.transport.steps.unwrap_or(MOST_STEPS as u32).min(most)
 }
 
 /// The largest error of a cluster in a product for a tolerance, for a density of 1. Errors of clusters cancel:
@@ -21,15 +21,16 @@ pub(crate) fn layer_error(tolerance: f64) -> f64 {
     8.0 * tolerance
 }
 
-/// The residual at which the solver ends, as a share of the source term. That is larger than the solution by what the
-/// operator makes of even light, the gain, whereas it halves what is rough. Measured on balls, a torus, a slab, a stone
-/// and a shell, the solution errs by at most 3 times the root of the gain times the residual.
+/// The residual at which the solver ends, as a share of the source term. The operator multiplies even light by a
+/// factor, the gain, and halves rough light, so the source term may be much larger than the solution. Measured on
+/// balls, a torus, a slab, a stone and a shell, the solution errs by at most 3 times the root of the gain times the
+/// residual.
 pub(crate) fn residual(tolerance: f64, gain: f64) -> f64 {
     0.1 * tolerance * (2.4 / gain.max(1e-30).sqrt()).clamp(0.02, 1.0)
 }
 
-/// Sets what the boundary is to diffusion, from the dipole's lengths: z_b = 2 A D, and the mean depth of the first
-/// collision of light from all around.
+/// Sets the coefficients of diffusion at the boundary, from the dipole's lengths: z_b = 2 A D, and the mean depth of
+/// the first collision of light from all around.
 pub(super) fn boundary(params: &mut ObjectParams) {
     for c in 0..3 {
         let (eta, path) = (f64::from(params.eta[c]), f64::from(params.z_real[c]));

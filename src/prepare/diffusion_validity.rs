@@ -27,7 +27,7 @@ const HALF: f64 = 0.01;
 /// Pairs of triangles that are looked at, about.
 const PAIRS: usize = 4_000_000;
 
-/// What of an object's shape decides where diffusion holds.
+/// The properties of an object's shape that decide where diffusion holds.
 #[derive(Clone, Debug, Default)]
 pub struct Inside {
     /// Edges of one triangle only.
@@ -38,7 +38,7 @@ pub struct Inside {
     pub thickness: Vec<(f64, f64)>,
 }
 
-/// What is known of diffusion in an object.
+/// Whether diffusion holds in an object.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Validity {
     /// Why it does not hold there, if it does not.
@@ -54,10 +54,10 @@ impl Inside {
         let faces: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|t| t.map(|v| mesh.positions[v as usize])).collect();
         let count = (PAIRS / faces.len().max(1)).clamp(32, 256).min(faces.len());
         let sample = |k: usize| {
-            let own = k * faces.len() / count;
-            let [a, b, c] = faces[own];
+            let face = k * faces.len() / count;
+            let [a, b, c] = faces[face];
             let normal = (b - a).cross(c - a);
-            let (share, thickness) = seen(&faces, own, (a + b + c) / 3.0, -normal.normalize_or_zero());
+            let (share, thickness) = seen(&faces, face, (a + b + c) / 3.0, -normal.normalize_or_zero());
             (normal.length(), share, thickness)
         };
         let samples: Vec<(f64, f64, f64)> = (0..count).into_par_iter().map(sample).collect();
@@ -70,7 +70,7 @@ impl Inside {
         }
     }
 
-    /// Whether diffusion holds in it, of this material.
+    /// Whether diffusion holds in an object of this shape and material.
     #[must_use]
     pub fn validity(&self, material: &Material) -> Validity {
         let unfit = |why: String| Validity { unfit: Some(why), doubt: None };
@@ -116,9 +116,9 @@ impl Inside {
 
 /// The share of all around that a closed surface covers from the middle of one of its triangles, and the distance to
 /// it along `way`.
-fn seen(faces: &[[DVec3; 3]], own: usize, from: DVec3, way: DVec3) -> (f64, f64) {
+fn seen(faces: &[[DVec3; 3]], start: usize, from: DVec3, way: DVec3) -> (f64, f64) {
     let (mut angle, mut nearest) = (0.0, f64::INFINITY);
-    for (_, corners) in faces.iter().enumerate().filter(|(face, _)| *face != own) {
+    for (_, corners) in faces.iter().enumerate().filter(|(face, _)| *face != start) {
         let [a, b, c] = corners.map(|corner| corner - from);
         let (la, lb, lc) = (a.length(), b.length(), c.length());
         // Van Oosterom and Strackee 1983.

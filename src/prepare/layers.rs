@@ -29,17 +29,17 @@ pub(crate) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], 
         let Some(layers) = &object.material.layers else { continue };
         let first = data.layer_media.len();
         data.layer_media.extend(layers.layers.iter().map(|layer| record(layer, layers.phase, units)));
-        let own = &data.layer_media[first..];
-        let least = |of: &[Layer]| of.iter().flat_map(|layer| layer.sigma_t).fold(f32::INFINITY, f32::min);
+        let media = &data.layer_media[first..];
+        let least = |media: &[Layer]| media.iter().flat_map(|layer| layer.sigma_t).fold(f32::INFINITY, f32::min);
         // Distance at which light becomes negligible; at most to the object's other end.
         let extent = {
             let (low, high) = object.mesh.bounds();
             (high - low).length() * units.length
         };
-        let radius = -layers.epsilon.ln() / f64::from(least(&own[..1]));
+        let radius = -layers.epsilon.ln() / f64::from(least(&media[..1]));
         data.object_params[number].fit_radius = radius.min(extent).max(1e-9) as f32;
         state.objects[number].layered = true;
-        let least = f64::from(least(own));
+        let least = f64::from(least(media));
         let reach = (-FAINTEST.ln() / least).min(1e6);
         let islands = match layers.map.mapped {
             true => {
@@ -52,7 +52,7 @@ pub(crate) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], 
         data.layerings.push(Layering {
             object: number as u32,
             first_layer: first as u32,
-            layers: own.len() as u32,
+            layers: media.len() as u32,
             first_island: islands.as_ref().map_or(u32::MAX, |_| data.islands.len() as u32),
             first_texel: data.depths.len() as u32,
             size: islands.as_ref().map_or(layers.map.size, |islands| islands.size),

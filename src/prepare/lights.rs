@@ -169,22 +169,26 @@ fn tables(state: &mut State, sky: &Sky, unit: f64) {
     let difference = |f: fn(f64) -> f64, from: f64, to: f64| (f(to) - f(from)) as f32;
     let row = |row: u32| {
         // Antiderivatives of sin t times 1, cos t, sin t; cos^2 t, sin t cos t, sin^2 t.
-        let of = |f| difference(f, sky.polar(row), sky.polar(row + 1));
+        let integral = |f| difference(f, sky.polar(row), sky.polar(row + 1));
         SkyRow {
-            first: [of(|t| -t.cos()), of(|t| 0.5 * t.sin().powi(2)), of(|t| 0.5 * (t - t.sin() * t.cos()))],
+            first: [
+                integral(|t| -t.cos()),
+                integral(|t| 0.5 * t.sin().powi(2)),
+                integral(|t| 0.5 * (t - t.sin() * t.cos())),
+            ],
             second: [
-                of(|t| -t.cos().powi(3) / 3.0),
-                of(|t| t.sin().powi(3) / 3.0),
-                of(|t| t.cos().powi(3) / 3.0 - t.cos()),
+                integral(|t| -t.cos().powi(3) / 3.0),
+                integral(|t| t.sin().powi(3) / 3.0),
+                integral(|t| t.cos().powi(3) / 3.0 - t.cos()),
             ],
         }
     };
     let column = |column: u32| {
         // Of 1, sin a, -cos a; -sin a cos a, sin^2 a - cos^2 a.
-        let of = |f| difference(f, sky.azimuth(column), sky.azimuth(column + 1));
+        let integral = |f| difference(f, sky.azimuth(column), sky.azimuth(column + 1));
         SkyColumn {
-            first: [of(|a| a), of(|a| -a.cos()), of(|a| -a.sin())],
-            second: [of(|a| -0.5 * a.sin().powi(2)), of(|a| -0.5 * (2.0 * a).sin())],
+            first: [integral(|a| a), integral(|a| -a.cos()), integral(|a| -a.sin())],
+            second: [integral(|a| -0.5 * a.sin().powi(2)), integral(|a| -0.5 * (2.0 * a).sin())],
         }
     };
     data.sky_rows = (0..sky.size[1]).map(row).collect();

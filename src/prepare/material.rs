@@ -1,4 +1,4 @@
-//! Materials: what of an object's parameters depends on one, for a new state or for one whose material changes.
+//! Materials: the parameters of an object that depend on its material, for a new state or a change of the material.
 
 use super::blocks::{edge_nodes, triangle_size};
 use super::rounding::rounding;
@@ -31,7 +31,8 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
 pub(super) fn coefficients(params: &mut ObjectParams, material: &Material, units: Units, local: Option<Local>) {
     // Opaque materials have no dipole.
     let dipoles = material.opaque.is_none().then(|| dipoles(material, units.length));
-    let of = |f: fn(&Dipole) -> f64| dipoles.as_ref().map_or([0.0; 3], |d| d.each_ref().map(|dipole| f(dipole) as f32));
+    let per_channel =
+        |f: fn(&Dipole) -> f64| dipoles.as_ref().map_or([0.0; 3], |d| d.each_ref().map(|dipole| f(dipole) as f32));
     let (reflection, roughness) = match material.surface.reflection {
         Reflection::None => (REFLECTION_NONE, 0.0),
         Reflection::Phong { shininess } => (REFLECTION_PHONG, shininess as f32),
@@ -44,10 +45,10 @@ pub(super) fn coefficients(params: &mut ObjectParams, material: &Material, units
     let degree = |l: usize| zonal.map(|factors| factors[l] as f32);
     *params = ObjectParams {
         albedo: material.opaque.unwrap_or_default().map(|share| share as f32),
-        strength: of(|d| d.strength),
-        sigma: of(|d| d.sigma),
-        z_real: of(|d| d.z_real),
-        z_virtual: of(|d| d.z_virtual),
+        strength: per_channel(|d| d.strength),
+        sigma: per_channel(|d| d.sigma),
+        z_real: per_channel(|d| d.z_real),
+        z_virtual: per_channel(|d| d.z_virtual),
         eta: material.eta.map(|eta| eta as f32),
         reflection,
         roughness,

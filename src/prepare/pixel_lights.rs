@@ -12,7 +12,7 @@ use crate::state::{Local, Object, State, narrow};
 /// Fewest rays to an environment in one sample: what is hidden of it is a ratio of two of their sums.
 const FEWEST_RAYS: usize = 4;
 
-/// Writes `pixel_lights` and their numbers in the camera's record, for lights that cast shadows unless `alone`.
+/// Writes `pixel_lights` and their numbers in the camera's record; none where no pixel needs them.
 pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
     state.data.pixel_lights.clear();
     let Some(samples) = state.data.camera.first().map(|camera| camera.samples as usize) else { return };
@@ -30,9 +30,9 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
         match &light.source {
             Source::Environment { .. } if !plain || share == 0 || light.color() == [0.0; 3] => {}
             Source::Environment { .. } => {
-                let of = share.max(FEWEST_RAYS);
-                let ray = Record { kind: LIGHT_SKY_RAY, of: of as u32, ..Record::default() };
-                records.extend((0..of as u32).map(|number| Record { number, ..ray }));
+                let rays = share.max(FEWEST_RAYS);
+                let ray = Record { kind: LIGHT_SKY_RAY, of: rays as u32, ..Record::default() };
+                records.extend((0..rays as u32).map(|number| Record { number, ..ray }));
             }
             Source::Area { position, edge_u, edge_v, .. } => {
                 let record = Record {
@@ -58,7 +58,7 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
     count(state, bits);
 }
 
-/// Writes their number, and that of those that cast shadows, into the camera's record.
+/// Writes the number of pixel lights, and of words for the `bits` of their shadows, into the camera's record.
 fn count(state: &mut State, bits: u32) {
     let lights = state.data.pixel_lights.len() as u32;
     for camera in &mut state.data.camera {

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3};
 pub fn place(state: &mut State, objects: &[Object], units: Units) -> Vec<bool> {
     let placements: Vec<_> = objects.iter().map(|object| units.placement(object)).collect();
     let placed = placements.iter().any(|placement| *placement != (DMat3::IDENTITY, DVec3::ZERO));
-    let own = state.objects.iter_mut().zip(&mut state.data.object_params);
+    let parts = state.objects.iter_mut().zip(&mut state.data.object_params);
     let write = |((part, params), (turn, shift)): ((&mut crate::state::Object, &mut _), &(DMat3, DVec3))| {
         let params: &mut crate::layout::ObjectParams = params;
         let before = (part.placed, params.turn_x, params.turn_y, params.turn_z, params.shift);
@@ -19,5 +19,5 @@ pub fn place(state: &mut State, objects: &[Object], units: Units) -> Vec<bool> {
         part.placed = placed;
         before != (placed, params.turn_x, params.turn_y, params.turn_z, params.shift)
     };
-    own.zip(&placements).map(write).collect()
+    parts.zip(&placements).map(write).collect()
 }

@@ -50,8 +50,8 @@ const MOST_CELLS: f64 = 65_536.0;
 /// vertices are looked at where a bound on how far they move does not tell.
 pub fn reach(objects: &[Object], units: Units) -> Result<()> {
     for (number, object) in objects.iter().enumerate() {
-        let own = units.own(object);
-        let place = |p: DVec3| object.placed(own.outside(p));
+        let local = units.own(object);
+        let place = |p: DVec3| object.placed(local.outside(p));
         let vertices = object.mesh.positions.len();
         let other = |deform: &Deform| match deform {
             Deform::Morph { ways, .. } => ways.len() != vertices,
@@ -64,7 +64,7 @@ pub fn reach(objects: &[Object], units: Units) -> Result<()> {
         }
         for deform in &object.deforms {
             if let Deform::Noise { scale, offset, .. } = deform {
-                let cells = ((*offset - own.center).abs().max_element() + 0.5 / units.length) / scale;
+                let cells = ((*offset - local.center).abs().max_element() + 0.5 / units.length) / scale;
                 if cells > MOST_CELLS {
                     let fault = Input::new("noise so fine, or offset so far, is no noise any more");
                     let expected = format!("the scene and `offset` within {MOST_CELLS} times `scale`");
@@ -74,8 +74,8 @@ pub fn reach(objects: &[Object], units: Units) -> Result<()> {
             }
         }
         let beyond = |p: &&DVec3| !p.is_finite() || units.inside(place(**p)).abs().max_element() > FARTHEST;
-        let near = object.placed(own.outside(DVec3::ZERO));
-        let within = farthest(object, own) + units.inside(near).abs().max_element() < FARTHEST;
+        let near = object.placed(local.outside(DVec3::ZERO));
+        let within = farthest(object, local) + units.inside(near).abs().max_element() < FARTHEST;
         let moved = if within { None } else { moved(object, units) };
         if let Some(p) = moved.iter().flatten().find(beyond) {
             let found = format!("a vertex at {:.4}", place(*p));

@@ -3,7 +3,7 @@
 use crate::state::{State, wide};
 use crate::transport::blocks::estimate;
 
-/// Sets the share of each channel for an object, from its shape at rest.
+/// Sets `rounding` of each channel for an object, from its shape at rest.
 pub(super) fn rounding(state: &mut State, number: usize) {
     let (first, count) = (state.objects[number].first, state.objects[number].count);
     let data = &mut state.data;
@@ -15,8 +15,8 @@ pub(super) fn rounding(state: &mut State, number: usize) {
         perimeters += a.distance(b) + b.distance(c) + c.distance(a);
     }
     let inradius = (2.0 * areas / perimeters).max(1e-12);
-    let own = &rest[first.vertices..][..count.vertices];
-    let most = own.iter().flatten().fold(0.0f32, |most, x| most.max(x.abs()));
+    let places = &rest[first.vertices..][..count.vertices];
+    let most = places.iter().flatten().fold(0.0f32, |most, x| most.max(x.abs()));
     let params = &mut data.object_params[number];
     for c in 0..3 {
         let [sigma, depth] = [params.sigma[c], params.z_real[c]].map(f64::from);

@@ -37,7 +37,7 @@ pub struct Prepared {
     pub units: Units,
     /// The tree of each object.
     pub trees: Vec<Tree>,
-    /// How each of them was built.
+    /// How each tree was built.
     pub methods: Vec<Method>,
     /// For each object whose tree was rebuilt for its deformed shape: how much wider the clusters of the rest shape's
     /// tree would have been.
@@ -97,12 +97,12 @@ pub fn prepare(
         let tree_of = || tree_of(object, scene.transport.hierarchy, units, known);
         let (tree, made, growth) = phase("building trees", tree_of);
         let any = solves.contains(&true);
-        let (part, own) = one(scene, object, &tree, units, (by_pixel, lit_at, local), (any, solves[number]));
+        let (part, of_leaves) = state_of(scene, object, &tree, units, (by_pixel, lit_at, local), (any, solves[number]));
         spoilt.push(growth);
         methods.push(made);
         parts.push(part);
         trees.push(tree);
-        faces.push(own);
+        faces.push(of_leaves);
     }
     let mut state = State::join(parts);
     quadrature(&mut state, scene);
@@ -151,7 +151,7 @@ fn tree_of(
 }
 
 /// The state of one object, and the mesh triangle of each of its triangles.
-fn one(
+fn state_of(
     scene: &Scene,
     object: &scene::Object,
     tree: &Tree,

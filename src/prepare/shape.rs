@@ -24,10 +24,10 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
     data.morphs.clear();
     for ((object, part), params) in objects.iter().zip(&mut state.objects).zip(&mut data.object_params) {
         params.first_deform = data.deforms.len() as u32;
-        let own = records(object, units.own(object));
+        let deforms = records(object, units.own(object));
         let first = data.morphs.len() as u32;
-        data.deforms.extend(own.records.into_iter().map(|record| Record { first: record.first + first, ..record }));
-        data.morphs.extend(own.morphs);
+        data.deforms.extend(deforms.records.into_iter().map(|record| Record { first: record.first + first, ..record }));
+        data.morphs.extend(deforms.morphs);
         params.deforms = data.deforms.len() as u32 - params.first_deform;
         part.deforms = params.deforms as usize;
     }
@@ -45,10 +45,10 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
         data.rest = vec![[0.0; 3]; data.positions.len()];
         data.rest_normals = data.rest.clone();
         for (object, part) in objects.iter().zip(&state.objects) {
-            let own = part.first.vertices..part.first.vertices + part.count.vertices;
+            let vertices = part.first.vertices..part.first.vertices + part.count.vertices;
             let (places, normals) = rest(object, units.own(object));
-            data.rest.splice(own.clone(), places);
-            data.rest_normals.splice(own, normals);
+            data.rest.splice(vertices.clone(), places);
+            data.rest_normals.splice(vertices, normals);
         }
     }
 }
@@ -65,7 +65,7 @@ pub fn deform_all(state: &mut State) {
     }
 }
 
-/// Vertices and their normals at rest; `units` are those of the object's own frame, here and below.
+/// Vertices and their normals at rest; `units` are those of the object's own frame, as in [`records`].
 pub(super) fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let mesh = &object.mesh;
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
@@ -81,12 +81,12 @@ pub(super) fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3
 /// An object's deformed vertices, in internal units of its own frame; none where nothing deforms it.
 pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
     let units = units.own(object);
-    let own = records(object, units);
-    if own.records.is_empty() {
+    let deforms = records(object, units);
+    if deforms.records.is_empty() {
         return None;
     }
     let (places, normals) = rest(object, units);
-    let place = |v: usize| own.moved(v, places[v], normals[v]);
+    let place = |v: usize| deforms.moved(v, places[v], normals[v]);
     Some((0..places.len()).into_par_iter().map(|v| wide(place(v))).collect())
 }
 
@@ -179,16 +179,17 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
 pub fn turned(state: &State) -> Vec<usize> {
     let data = &state.data;
     let count = |(part, params): (&crate::state::Object, &crate::layout::ObjectParams)| {
-        let own = &data.deforms[params.first_deform as usize..][..params.deforms as usize];
+        let deforms = &data.deforms[params.first_deform as usize..][..params.deforms as usize];
         let triangles = &data.triangles[part.first.faces..][..part.count.faces];
-        if own.is_empty() {
+        if deforms.is_empty() {
             return 0;
         }
-        if own.iter().any(|deform| [DEFORM_MORPH, DEFORM_SKIN].contains(&deform.kind)) {
+        if deforms.iter().any(|deform| [DEFORM_MORPH, DEFORM_SKIN].contains(&deform.kind)) {
             return folded(state, part.first.vertices, part.count.vertices, triangles);
         }
-        let moved =
-            |p: DVec3, n: DVec3| wide(own.iter().fold(narrow(p), |p, deform| displace(deform, p, narrow(n), [0.0; 3])));
+        let moved = |p: DVec3, n: DVec3| {
+            wide(deforms.iter().fold(narrow(p), |p, deform| displace(deform, p, narrow(n), [0.0; 3])))
+        };
         let turned = |triangle: &&[u32; 3]| {
             let rest = triangle.map(|v| wide(data.rest[v as usize]));
             let normals = triangle.map(|v| wide(data.rest_normals[v as usize]));
@@ -217,16 +218,16 @@ fn folded(state: &State, first: usize, vertices: usize, triangles: &[[u32; 3]]) 
         let areas: Vec<DVec3> = triangles
             .iter()
             .map(|triangle| {
-                let (part, own) = area(triangle);
+                let (part, vector) = area(triangle);
                 volume += part;
-                triangle.iter().for_each(|&v| round[v as usize - first] += own);
-                own
+                triangle.iter().for_each(|&v| round[v as usize - first] += vector);
+                vector
             })
             .collect();
         // Cosine between each triangle and those around it.
-        let lies = |(triangle, own): (&[u32; 3], &DVec3)| {
-            let others = triangle.iter().map(|&v| round[v as usize - first]).sum::<DVec3>() - 3.0 * *own;
-            own.normalize_or_zero().dot(others.normalize_or_zero())
+        let lies = |(triangle, vector): (&[u32; 3], &DVec3)| {
+            let others = triangle.iter().map(|&v| round[v as usize - first]).sum::<DVec3>() - 3.0 * *vector;
+            vector.normalize_or_zero().dot(others.normalize_or_zero())
         };
         let cosines: Vec<f64> = triangles.iter().zip(&areas).map(lies).collect();
         (areas, cosines, volume)

@@ -48,11 +48,11 @@ fn of_material(material: &Material, object: u32, units: Units) -> Vec<Scattering
         let (scattering, extinction) = channel(c);
         let (eta, reach) = (material.eta[c] as f32, (-FAINTEST.ln() / extinction).min(1e6) as f32);
         let known = media.iter().position(|medium| medium.eta.to_bits() == eta.to_bits());
-        let own = known.unwrap_or_else(|| {
+        let index = known.unwrap_or_else(|| {
             media.push(ScatteringMedium { object, eta, ..ScatteringMedium::default() });
             media.len() - 1
         });
-        let medium = &mut media[own];
+        let medium = &mut media[index];
         medium.reach = medium.reach.max(reach);
         medium.sigma_s[c] = scattering as f32;
         medium.sigma_t[c] = extinction as f32;

@@ -8,19 +8,19 @@ use crate::layout::{Buffers, ObjectParams, SkinJoint, SkinMatrix, SkinVertex};
 use crate::scene::{Deform, Object, Pose, Rig};
 use crate::state::{State, narrow};
 
-/// Writes what the vertices of the objects follow; empty if they follow nothing.
+/// Writes the joints and morph targets that the objects' vertices follow; empty if they follow none.
 pub(super) fn write(state: &mut State, objects: &[Object], units: Units) {
     let data = &mut state.data;
     for part in &mut state.objects {
         part.skinned = false;
     }
-    let of = |object: &Object| {
+    let skin_of = |object: &Object| {
         object.deforms.iter().find_map(|deform| match deform {
             Deform::Skin { rig, pose } => Some((rig.clone(), pose.clone())),
             _ => None,
         })
     };
-    let all: Vec<_> = objects.iter().map(of).collect();
+    let all: Vec<_> = objects.iter().map(skin_of).collect();
     (data.skin_joints, data.skin_targets, data.skin_weights, data.skin_matrices) = Default::default();
     let vertices = if all.iter().any(Option::is_some) { data.positions.len() } else { 0 };
     data.skin_vertices.resize(vertices, SkinVertex::default());
@@ -44,7 +44,7 @@ fn append(data: &mut Buffers, params: &mut ObjectParams, rig: &Rig, pose: &Pose,
     params.skin_targets = rig.targets as u32;
     params.first_target = data.skin_targets.len() as u32;
     params.first_weight = data.skin_weights.len() as u32;
-    // About the middle of the vertices, which takes few digits of their places.
+    // Relative to the middle of the vertices, so that their places keep most of their digits.
     let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let (low, high) = rig.base.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
     let middle = 0.5 * (low + high);

@@ -31,11 +31,11 @@ pub(crate) fn unwrap(scene: &Scene, local: Option<Local>) -> Result<Vec<Option<U
         return Ok(Vec::new());
     }
     let side = scene.transport.blur_texture;
-    let one = |(number, object): (usize, &Object)| match object.material.opaque {
+    let charts_of = |(number, object): (usize, &Object)| match object.material.opaque {
         Some(_) => Ok(None),
         None => of_object(number, object, side).map(Some),
     };
-    scene.objects.iter().enumerate().map(one).collect()
+    scene.objects.iter().enumerate().map(charts_of).collect()
 }
 
 fn of_object(number: usize, object: &Object, side: u32) -> Result<Unwrapped> {
@@ -68,10 +68,10 @@ fn of_object(number: usize, object: &Object, side: u32) -> Result<Unwrapped> {
     let mut charts = vec![NOTHING; places];
     let mut shared = vec![false; places];
     let mut missed = Vec::new();
-    for (face, own) in (0u32..).zip(&down) {
-        let found = texels([side; 2], own);
+    for (face, corners) in (0u32..).zip(&down) {
+        let found = texels([side; 2], corners);
         if found.is_empty() {
-            missed.push((face, own));
+            missed.push((face, corners));
         }
         for (texel, [_, u, v]) in found {
             let inside = u.min(v).min(1.0 - u - v) > 1e-6;
@@ -83,8 +83,8 @@ fn of_object(number: usize, object: &Object, side: u32) -> Result<Unwrapped> {
         }
     }
     // A triangle that covers no texel's centre gets the texel at its centroid, if that is still empty.
-    for (face, own) in missed {
-        let middle = [0, 1].map(|axis| own.iter().map(|place| place[axis]).sum::<f64>() / 3.0);
+    for (face, corners) in missed {
+        let middle = [0, 1].map(|axis| corners.iter().map(|place| place[axis]).sum::<f64>() / 3.0);
         let [x, y] = middle.map(|at| ((at * length).floor() as i64).rem_euclid(i64::from(side)) as usize);
         let chart = &mut charts[y * side as usize + x];
         if chart.face == u32::MAX {

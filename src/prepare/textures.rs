@@ -21,20 +21,20 @@ pub(crate) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces
     let period = wrap.map(Wrap::period);
     let places = faces.iter().map(|&face| uvs.get(face as usize).map_or(CornerUvs::default(), |uvs| near(uvs, period)));
     data.corner_uvs = places.collect();
-    let frame = &mut data.object_params[0];
-    frame.texture_wrap = wrap.map(Wrap::code);
+    let params = &mut data.object_params[0];
+    params.texture_wrap = wrap.map(Wrap::code);
     if let Some(spread) = spread {
-        (frame.sigma_0_size, frame.sigma_0_first) = (spread.size, data.texels.len() as u32);
+        (params.sigma_0_size, params.sigma_0_first) = (spread.size, data.texels.len() as u32);
         data.texels.extend(spread.texels.iter());
     }
     let Some(texture) = texture else { return };
-    frame.texture_side = match texture.side {
+    params.texture_side = match texture.side {
         Side::Entry => ENTRY,
         Side::Exit => EXIT,
         Side::Both => ENTRY | EXIT,
     };
-    frame.texture_size = texture.size;
-    frame.texture_first = data.texels.len() as u32;
+    params.texture_size = texture.size;
+    params.texture_first = data.texels.len() as u32;
     let root = |x: f32| if texture.side == Side::Both { x.sqrt() } else { x };
     data.texels.extend(texture.texels.iter().map(|texel| texel.map(root)));
 }
@@ -77,31 +77,37 @@ pub(crate) fn drop_unseen(state: &mut State, options: Options) {
     if options.goal == Goal::Radiosity {
         state.data.tones = Vec::new();
     }
-    let entry = state.data.object_params.iter().any(|frame| frame.texture_side & ENTRY != 0);
+    let entry = state.data.object_params.iter().any(|params| params.texture_side & ENTRY != 0);
     if options.goal == Goal::Radiosity && !entry {
         (state.data.texels, state.data.corner_uvs) = Default::default();
     }
 }
 
 /// The largest factor of the entry texture in each channel, or 1 where there is no texture.
-pub(crate) fn brightest_entry(frame: &ObjectParams, texels: &[[f32; 3]]) -> [f64; 3] {
-    let largest = |c: usize| entering(frame, texels).iter().map(|texel| texel[c]).fold(0.0, f32::max);
+pub(crate) fn brightest_entry(params: &ObjectParams, texels: &[[f32; 3]]) -> [f64; 3] {
+    let largest = |c: usize| entering(params, texels).iter().map(|texel| texel[c]).fold(0.0, f32::max);
     [0, 1, 2].map(|c| largest(c).into())
 }
 
 /// Whether the entry texture keeps the ratio of two channels: their texels differ by the ratio of their largest only.
-pub(crate) fn keeps_ratio(frame: &ObjectParams, texels: &[[f32; 3]], largest: [f64; 3], c: usize, lead: usize) -> bool {
+pub(crate) fn keeps_ratio(
+    params: &ObjectParams,
+    texels: &[[f32; 3]],
+    largest: [f64; 3],
+    c: usize,
+    lead: usize,
+) -> bool {
     let part = |texel: &[f32; 3], c: usize| f64::from(texel[c]) / largest[c];
-    entering(frame, texels).iter().all(|texel| (part(texel, c) - part(texel, lead)).abs() <= 1e-6)
+    entering(params, texels).iter().all(|texel| (part(texel, c) - part(texel, lead)).abs() <= 1e-6)
 }
 
 /// The texels of an object's entry texture; one white texel if it has none.
-fn entering<'a>(frame: &ObjectParams, texels: &'a [[f32; 3]]) -> &'a [[f32; 3]] {
-    if frame.texture_side & ENTRY == 0 {
+fn entering<'a>(params: &ObjectParams, texels: &'a [[f32; 3]]) -> &'a [[f32; 3]] {
+    if params.texture_side & ENTRY == 0 {
         return &[[1.0; 3]];
     }
     let [first, width, height] =
-        [frame.texture_first, frame.texture_size[0], frame.texture_size[1]].map(|n| n as usize);
+        [params.texture_first, params.texture_size[0], params.texture_size[1]].map(|n| n as usize);
     texels.get(first..first + width * height).unwrap_or_default()
 }
 
@@ -130,9 +136,9 @@ mod tests {
             ..ObjectParams::default()
         };
         let texels = [[0.5, 0.25, 0.5], [0.25, 0.125, 0.5], [0.75; 3], [0.1; 3]];
-        let kept = |frame: ObjectParams| {
-            let largest = brightest_entry(&frame, &texels);
-            [(1, 0), (2, 0)].map(|(c, lead)| keeps_ratio(&frame, &texels, largest, c, lead))
+        let kept = |params: ObjectParams| {
+            let largest = brightest_entry(&params, &texels);
+            [(1, 0), (2, 0)].map(|(c, lead)| keeps_ratio(&params, &texels, largest, c, lead))
         };
         assert_eq!(kept(ObjectParams::default()), [true, true]);
         assert_eq!(kept(entry(0)), [true, false]);

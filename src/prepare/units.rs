@@ -38,7 +38,7 @@ impl Units {
         let extent = (high - low).max_element();
         let length = if extent.is_finite() && extent > 0.0 { (-extent.log2().ceil()).exp2() } else { 1.0 };
         let center = match objects {
-            [one] => one.placed(middle(one)),
+            [only] => only.placed(middle(only)),
             _ => 0.5 * (low + high),
         };
         Self { center: if extent.is_finite() { center } else { DVec3::ZERO }, length, light: 1.0 }

@@ -8,7 +8,7 @@ use crate::hierarchy::wide::widen;
 use crate::layout::{NONE, WIDE};
 use crate::state::State;
 
-/// Writes them.
+/// Writes the wide nodes.
 pub fn wide(state: &mut State, trees: &[Tree]) {
     // By falling size, as children are in a tree. One tree needs nothing above its root.
     let mut order: Vec<usize> = (0..trees.len()).filter(|&object| trees[object].nodes() > 0).collect();
@@ -23,10 +23,10 @@ pub fn wide(state: &mut State, trees: &[Tree]) {
             links[place] = link(nodes, Some(first));
         }
         for children in widen(&trees[object], WIDE) {
-            let own = children
+            let used = children
                 .iter()
                 .map(|child| link(nodes + child.node as usize, child.wide.map(|wide| first + wide as usize)));
-            links.extend(own.chain(std::iter::repeat_n([NONE, 0], WIDE - children.len())));
+            links.extend(used.chain(std::iter::repeat_n([NONE, 0], WIDE - children.len())));
         }
     }
     state.data.wide_links = links;

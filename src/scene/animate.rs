@@ -39,7 +39,7 @@ pub(super) fn frames(value: &Value) -> Option<[f64; 2]> {
     }
 }
 
-/// The frames of either range and those between them.
+/// The smallest range that contains both.
 pub(super) fn both(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> Option<[f64; 2]> {
     let (Some(a), Some(b)) = (one, other) else { return one.or(other) };
     Some([a[0].min(b[0]), a[1].max(b[1])])
@@ -107,7 +107,7 @@ pub fn numbered(text: &str, frame: i64) -> Option<String> {
     found.then_some(name)
 }
 
-/// The value of a list of keyframes at a frame: the first one's before it, the last one's after it.
+/// The value that keyframes give at a frame: before the first keyframe that one's, after the last keyframe that one's.
 fn keyed(table: &Table, key: &str, frame: f64) -> Checked<Value> {
     let fault =
         |what: &str, found: String, expected: &str| Err(Input::new(what).key(key).found(found).expected(expected));
@@ -119,7 +119,7 @@ fn keyed(table: &Table, key: &str, frame: f64) -> Checked<Value> {
         Some((_, Some("smooth"))) => Curve::Smooth,
         Some((other, _)) => return fault("unknown curve", other.to_string(), "\"linear\" or \"smooth\""),
     };
-    let shape = "[[frame, value], ...], frames ascending, values all numbers or lists of as many numbers";
+    let shape = "[[frame, value], ...], frames ascending, values all numbers or all lists of the same length";
     let Some(list) = table.get("keyframes").and_then(Value::as_array).filter(|list| !list.is_empty()) else {
         return fault("not a list of keyframes", table["keyframes"].to_string(), shape);
     };
@@ -148,7 +148,7 @@ fn keyed(table: &Table, key: &str, frame: f64) -> Checked<Value> {
     mixed.map_or_else(|| fault("keyframes of different kinds", table["keyframes"].to_string(), shape), Ok)
 }
 
-/// Whether all its numbers are finite.
+/// Whether all numbers in the value are finite.
 fn finite(value: &Value) -> bool {
     match value {
         Value::Array(list) => list.iter().all(finite),

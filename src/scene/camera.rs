@@ -50,15 +50,15 @@ pub struct Camera {
     pub size: [u32; 2],
     /// Samples of a pixel, which shows their mean, 1 to 64.
     pub samples: u32,
-    /// Factor on radiance before it becomes sRGB, above 0; 1 until a picture is made where that is `metered`.
+    /// Factor on radiance before it becomes sRGB, above 0. While the exposure is `metered`, 1 until a picture is made.
     pub exposure: f64,
-    /// Whether the picture decides that factor.
+    /// Whether that factor is metered from the picture.
     pub metered: bool,
     /// Tone curve, for PNG only.
     pub tone: Tone,
     /// Linear radiance where no object is seen, r g b, at least 0.
     pub background: [f64; 3],
-    /// Whether the environment is shown there instead.
+    /// Whether the environment is shown where no object is seen, instead of `background`.
     pub environment: bool,
 }
 
@@ -79,7 +79,7 @@ impl Camera {
         Ok(camera)
     }
 
-    /// The camera that looks the same way at the middle of the box `low..high`, from where every corner is in the
+    /// A camera that looks the same way at the middle of the box `low..high`, from so far that every corner is in the
     /// picture.
     #[must_use]
     pub fn fitted(&self, low: DVec3, high: DVec3) -> Self {
@@ -118,7 +118,7 @@ impl Framing {
         if let (Some(position), Some(target)) = (position, target) {
             apart(position, target)?;
         }
-        // Above the range's start and below its end.
+        // Accepts numbers above the range's start and below its end.
         let number = |key: &str, given: Option<f64>, usual: f64, range: Range<f64>, expected: &str| {
             let inside = |x| range.start < x && x < range.end;
             range::number(&format!("camera.{key}"), given.unwrap_or(usual), inside, expected)

@@ -32,9 +32,9 @@ pub enum Scheme {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Oracle {
-    /// The change in radiosity that this may cause.
+    /// The change in radiosity that this approximation may cause.
     Contribution,
-    /// Its solid angle, as published.
+    /// The cluster's solid angle, as published.
     SolidAngle,
 }
 
@@ -49,7 +49,7 @@ pub enum Distance {
     Table1,
 }
 
-/// How the form factor of a triangle is evaluated that is too near for a few samples.
+/// How the form factor of a triangle too near for a few samples is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Near {
@@ -61,7 +61,7 @@ pub enum Near {
     PointSampling,
 }
 
-/// Scheme `links`: how the form factor of a cluster is evaluated that is too near for one sample.
+/// Scheme `links`: how the form factor of a cluster too near for one sample is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClusterForm {
@@ -69,7 +69,7 @@ pub enum ClusterForm {
     /// border, as published.
     #[default]
     Projected,
-    /// By one sample at its midpoint, however near it is.
+    /// By one sample at the cluster's midpoint, however near it is.
     Sample,
 }
 

@@ -29,7 +29,7 @@ pub enum Deform {
         span: Span,
         /// The direction of the bend, perpendicular to the axis, length 1.
         toward: DVec3,
-        /// Radians, not 0.
+        /// Radians; 0 bends nothing.
         angle: f64,
     },
     /// Displacement by `height (1 - r^2 / radius^2)^2` within a radius.
@@ -92,7 +92,7 @@ pub(super) enum DeformFile {
     Morph { mesh: PathBuf, weight: f64 },
 }
 
-/// A validated deformation, without what depends on the mesh.
+/// A validated deformation, without the values that depend on the mesh.
 #[derive(Debug, Clone)]
 pub(super) struct Draft {
     deform: Deform,
@@ -183,21 +183,21 @@ impl DeformFile {
 
 impl Draft {
     /// The pose of a file's mesh that `play` asks for, if the file has such an animation.
-    pub(super) fn played(files: &Files, own: (&Path, Option<u32>), play: &mut Play) -> Checked<Option<Self>> {
-        let Some(number) = play.find(animations(files, own.0)?) else { return Ok(None) };
-        let (rig, [rest, now]) = Mesh::read_animated(files, own, (number, play.time))?;
+    pub(super) fn played(files: &Files, source: (&Path, Option<u32>), play: &mut Play) -> Checked<Option<Self>> {
+        let Some(number) = play.find(animations(files, source.0)?) else { return Ok(None) };
+        let (rig, [rest, now]) = Mesh::read_animated(files, source, (number, play.time))?;
         let deform = Deform::Skin { rig: Arc::new(rig), pose: Arc::new(now) };
         Ok(Some(Self { deform, center: None, length: None, other: None, rest }))
     }
 
-    /// Reads a morph's other mesh, relative to `folder`; it must match `own`, the object's file and the part of
-    /// it, which is none for a built-in shape. `origin` maps the vertices of that file to the object's, `placed` places
-    /// them in the scene.
+    /// Places a skin's poses in the scene, or reads a morph's other mesh, relative to `folder`. That must match
+    /// `source`, the object's file and the part of it, none for a built-in shape. `origin` maps the vertices of that
+    /// file to the object's, `placed` places them in the scene.
     pub(super) fn load(
         &mut self,
         files: &Files,
         folder: &Path,
-        own: Option<(&Path, Option<u32>)>,
+        source: Option<(&Path, Option<u32>)>,
         origin: &Origin,
         placed: DMat4,
         key: &str,
@@ -218,11 +218,11 @@ impl Draft {
             return Ok(());
         }
         let (Some(other), Deform::Morph { ways, .. }) = (&self.other, &mut self.deform) else { return Ok(()) };
-        let Some((own, part)) = own else {
-            let fault = Input::new("a shape made here has no file whose vertices another mesh could match");
+        let Some((file, part)) = source else {
+            let fault = Input::new("a built-in shape has no file whose vertices another mesh could match");
             return Err(fault.key(key).expected("an object with `mesh`"));
         };
-        let ends = Mesh::read_ends(files, (&folder.join(own), part), &folder.join(other), key)?;
+        let ends = Mesh::read_ends(files, (&folder.join(file), part), &folder.join(other), key)?;
         let bytes = ends[0].len().max(origin.vertices()) as u64 * size_of::<DVec3>() as u64;
         files
             .take(bytes)

@@ -26,7 +26,7 @@ pub(super) fn check(objects: &[Object]) -> Checked<()> {
         let (size, most) = (size(&object.mesh), if dense { WIDEST_DENSE } else { WIDEST });
         if extent > most * size {
             let fault = Input::new("the object is too small beside the whole scene").key(format!("object.{number}"));
-            let why = if dense { ": its material is as dense as that" } else { "" };
+            let why = if dense { " with a material as dense as that" } else { "" };
             let fault = fault.found(format!("{size:.4e} in a scene {extent:.4e} across"));
             return Err(fault.expected(format!("at most {most:e} times its size{why}")));
         }
@@ -34,8 +34,8 @@ pub(super) fn check(objects: &[Object]) -> Checked<()> {
     Ok(())
 }
 
-/// The square root of a surface's area, or its longest edge if that is longer. Unlike the bounding box, neither depends
-/// on a speck far away.
+/// The square root of a surface's area, or the longest of two edges of each triangle if that is longer. Unlike the
+/// bounding box, neither depends on a speck far away.
 fn size(mesh: &Mesh) -> f64 {
     // Relative to the bounding box, since fourth powers of small lengths underflow to 0.
     let (low, high) = mesh.bounds();

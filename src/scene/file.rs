@@ -106,7 +106,7 @@ pub(super) struct Draft {
 }
 
 impl SceneFile {
-    /// Checks every value; `table` is what this was read from.
+    /// Checks every value; `table` is the TOML that this was read from.
     pub fn check(&self, table: &Table) -> Checked<Draft> {
         let none = Table::new();
         let transport = table.get("transport").and_then(Value::as_table).unwrap_or(&none);

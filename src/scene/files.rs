@@ -80,7 +80,7 @@ pub fn was_read(path: &Path) -> bool {
     inputs().contains(path)
 }
 
-/// What pipes held, which can be read only once.
+/// The contents of pipes, which can be read only once.
 static PIPES: Mutex<BTreeMap<PathBuf, Vec<u8>>> = Mutex::new(BTreeMap::new());
 
 fn pipes() -> MutexGuard<'static, BTreeMap<PathBuf, Vec<u8>>> {
@@ -108,7 +108,7 @@ pub fn text_of_path(path: OsString) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// The path that such a text stands for.
+/// The path that a text of [`text_of_path`] stands for.
 #[must_use]
 pub fn path_of_text(text: &Path) -> Cow<'_, Path> {
     #[cfg(unix)]
@@ -123,10 +123,10 @@ pub fn path_of_text(text: &Path) -> Cow<'_, Path> {
     Cow::Borrowed(text)
 }
 
-/// What has to be undone before a file of these bytes can be read, if there is anything.
+/// The compression or encoding that has to be undone before a file of these bytes can be read, if any.
 #[must_use]
 pub(super) fn packed(bytes: &[u8]) -> Option<&'static str> {
-    // Two bytes a letter, one of them 0.
+    // UTF-16 without a mark: two bytes a letter, one of them 0.
     let wide = |low: usize| bytes.len() >= 8 && (0..8).all(|k| (bytes[k] == 0) == (k % 2 != low));
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || wide(0) || wide(1) {
         return Some("UTF-16 text, not UTF-8");
@@ -157,7 +157,7 @@ impl Files {
         self.memory.get()
     }
 
-    /// Returns an error if so many bytes of temporary memory do not fit.
+    /// Returns an error if `bytes` of temporary memory do not fit.
     pub fn need(&self, bytes: u64) -> Result<()> {
         self.memory.get().need(bytes)
     }
@@ -175,7 +175,7 @@ impl Files {
         self.held.as_ref().map_or_else(|| path_of_text(path).exists(), |held| held.contains_key(path))
     }
 
-    /// Reads a plain file, or a pipe once more; `copies` times its size must fit the memory.
+    /// Reads a plain file, or a pipe that was read before; `copies` times its size must fit the memory.
     pub fn read(&self, path: &Path, copies: u64) -> Result<Vec<u8>> {
         // Anything but a plain file may block or never end.
         let real = path_of_text(path);

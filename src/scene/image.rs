@@ -25,7 +25,7 @@ pub(super) const MOST_TEXELS: usize = 1 << 23;
 /// that were transformed in squares.
 const MOST_PACKED: u64 = 1 << 17;
 
-/// Maximum memory that a PNG's colour profile may take, bytes.
+/// Maximum memory that an image's metadata, such as a colour profile, may take, bytes.
 const MOST_BESIDE: u64 = 64 << 20;
 
 /// Bytes at the start of a Radiance file in which its format is looked for.
@@ -53,7 +53,7 @@ fn fits(
 }
 
 /// Clamps the first `used` channels of every pixel to 0 to `most`; a line in `notes` says how many were beyond, and how
-/// far. Fails with the number of a pixel that is no finite number.
+/// far. Fails with the index of the first pixel that is not finite.
 pub(super) fn clamp<const N: usize>(
     pixels: &mut [[f32; N]],
     used: usize,
@@ -137,7 +137,7 @@ pub(super) fn read_packed(files: &Files, path: &Path) -> Image {
     unpack(files, &bytes(files, path)?)
 }
 
-/// The same for the bytes of a file, whose first ones tell a JPEG.
+/// The same for the bytes of a file; a JPEG is recognised by the first ones.
 pub(super) fn unpack(files: &Files, bytes: &[u8]) -> Image {
     let format = if bytes.starts_with(&[0xff, 0xd8]) { ImageFormat::Jpeg } else { ImageFormat::Png };
     let image = decode(files, bytes, format, MOST_TEXELS)?.into_rgb16();

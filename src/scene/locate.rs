@@ -41,7 +41,7 @@ pub(super) fn in_words(message: &str) -> Input {
         }
     }
     if first.contains("recursion limit") || first.contains("recurse further") {
-        return Input::new("lists or tables too deep in one another").expected("at most 80 of them");
+        return Input::new("lists or tables too deep in one another").expected("at most 80 levels");
     }
     let (fault, expected) = match first.split_once(", expected ") {
         Some((fault, expected)) => (fault, Some(expected)),

@@ -263,7 +263,7 @@ impl Scene {
         bounds(&self.objects)
     }
 
-    /// Fails if a light lies where the scene's file may have none: within a medium.
+    /// Fails if a light lies inside a medium, as loading a scene file does.
     pub fn check_lights(&self) -> Result<()> {
         let mut all = self.lights.iter().enumerate();
         all.try_for_each(|(index, light)| light.check_outside(&self.objects, index)).map_err(Into::into)

@@ -144,15 +144,15 @@ impl ObjectFile {
     /// Exactly one of `mesh` and `shape`; `detail` only with the latter.
     fn source(&self, index: usize) -> Checked<Source> {
         let key = |name: &str| format!("object.{index}{name}");
-        let one = "exactly one of `mesh` and `shape`";
+        let accepted = "exactly one of `mesh` and `shape`";
         match (&self.mesh, self.shape) {
             (Some(_), Some(_)) => {
                 let fault = Input::new("both a mesh and a shape are given");
-                Err(fault.key(key(".shape")).expected(one))
+                Err(fault.key(key(".shape")).expected(accepted))
             }
             (None, None) => {
                 let fault = Input::new("neither a mesh nor a shape is given");
-                Err(fault.key(key("")).expected(one))
+                Err(fault.key(key("")).expected(accepted))
             }
             (Some(_), None) if self.detail.is_some() => {
                 let fault = Input::new("a mesh from a file has no such key");

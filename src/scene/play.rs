@@ -1,4 +1,4 @@
-//! The animation that a scene plays: every mesh that has one of this name.
+//! The animation that a scene plays, with every mesh that has one of its name.
 
 use super::locate;
 use super::range::{self, Checked};
@@ -13,7 +13,7 @@ pub(super) struct Play {
     name: String,
     /// Seconds from its start.
     pub time: f64,
-    /// The frame at which it ends, in the longest of the meshes that have it.
+    /// The frame at which it ends in the mesh in which it is longest.
     pub last: f64,
     fps: f64,
     /// Whether a mesh has it.
@@ -23,7 +23,7 @@ pub(super) struct Play {
 }
 
 impl Play {
-    /// The animation of a scene, at frame 0; `fps` is the number of frames per second.
+    /// Checks the name of the animation and the number of frames per second, which has a default.
     pub fn check(name: Option<&String>, fps: Option<f64>) -> Checked<Option<(String, f64)>> {
         match (name, fps) {
             (None, None) => Ok(None),
@@ -39,12 +39,12 @@ impl Play {
         }
     }
 
-    /// At a frame.
+    /// The animation at a frame.
     pub fn at((name, fps): (String, f64), frame: f64) -> Self {
         Self { name, time: frame / fps, last: 0.0, fps, played: false, known: Vec::new() }
     }
 
-    /// The number of the animation among those of a mesh, with their lengths in seconds.
+    /// The number of the animation among those of a mesh, which have lengths in seconds.
     pub fn find(&mut self, animations: Vec<(String, f64)>) -> Option<usize> {
         let found = animations.iter().position(|(name, _)| name.eq_ignore_ascii_case(&self.name));
         self.played |= found.is_some();

@@ -2,16 +2,16 @@
 
 use glam::{DMat4, DVec3};
 
-/// What vertices follow. A mesh node without joints is a joint itself.
+/// Joints and morph targets that vertices follow. A mesh node without joints is a joint itself.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rig {
     /// Positions of the object's vertices in the frames in which they are bound.
     pub base: Vec<DVec3>,
-    /// Joints of a vertex, at least 1.
+    /// Number of joints of a vertex, at least 1.
     pub joints: usize,
     /// For each vertex its joints, as numbers of matrices, and their weights, whose sum is 1.
     pub influences: Vec<(u32, f64)>,
-    /// Morph targets of a vertex.
+    /// Number of morph targets of a vertex.
     pub targets: usize,
     /// For each vertex its displacements by the targets at weight 1.
     pub ways: Vec<DVec3>,
@@ -64,9 +64,9 @@ impl Rig {
             let ways = &self.ways[vertex * self.targets..][..self.targets];
             let base = self.base[vertex]
                 + ways.iter().zip(&pose.weights[row..]).map(|(way, weight)| *way * *weight).sum::<DVec3>();
-            let own = &self.influences[vertex * self.joints..][..self.joints];
+            let influences = &self.influences[vertex * self.joints..][..self.joints];
             let placed = |&(joint, weight): &(u32, f64)| weight * pose.matrices[joint as usize].transform_point3(base);
-            own.iter().filter(|(_, weight)| *weight != 0.0).map(placed).sum()
+            influences.iter().filter(|(_, weight)| *weight != 0.0).map(placed).sum()
         };
         (0..self.base.len()).map(place).collect()
     }

@@ -52,9 +52,9 @@ impl Surface {
             ReflectionKind::Phong => "phong",
             ReflectionKind::Ggx => "ggx",
         };
-        if let Some((name, _, of)) = others.into_iter().find(|(_, given, of)| *given && *of != kind) {
+        if let Some((name, _, needed)) = others.into_iter().find(|(_, given, needed)| *given && *needed != kind) {
             let fault = Input::new("the material's reflection has no such key").key(key(name));
-            return Err(fault.found(format!("reflection = \"{kind}\"")).expected(format!("reflection = \"{of}\"")));
+            return Err(fault.found(format!("reflection = \"{kind}\"")).expected(format!("reflection = \"{needed}\"")));
         }
         let reflection = match file.reflection {
             ReflectionKind::None => Reflection::None,

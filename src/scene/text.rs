@@ -27,7 +27,7 @@ pub(super) struct Text {
     pub folder: PathBuf,
     /// Whether it is that of a mesh alone.
     pub alone: bool,
-    /// What there is to say about such a mesh.
+    /// Notes on such a mesh, one per entry.
     pub report: Vec<String>,
 }
 
@@ -74,7 +74,7 @@ impl Text {
         let toml = String::from_utf8(bytes).map_err(|error| fault(error.utf8_error().to_string(), kinds))?;
         let named = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
         if let (false, Err(error)) = (named, toml::from_str::<toml::Table>(&toml)) {
-            // What has another name need not be meant as TOML: name the formats too.
+            // A file with another ending need not be meant as TOML: name the formats too.
             let fault = locate::from_toml(&error, &toml, path);
             let what = format!("neither a mesh nor a scene in TOML: {}", fault.what);
             return Err(Input { what, expected: Some(kinds.clone()), ..fault });

@@ -79,8 +79,8 @@ impl Texture {
     /// The same for the texture of sigma_0.
     pub(super) fn sigma_0(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Option<Self>> {
         let wrap = file.texture_wrap.unwrap_or_default().0;
-        let of = |image: &String| Self::named(image, Side::default(), wrap, key("sigma_0_texture"));
-        file.sigma_0_texture.as_ref().map(of).transpose()
+        let draft = |image: &String| Self::named(image, Side::default(), wrap, key("sigma_0_texture"));
+        file.sigma_0_texture.as_ref().map(draft).transpose()
     }
 
     fn named(image: &str, side: Side, wrap: [Wrap; 2], key: String) -> Checked<Self> {

@@ -89,7 +89,7 @@ impl Transport {
         exact && self.cluster != Some(ClusterForm::Sample)
     }
 
-    /// Checks `[transport]`, of which these keys are given, and chooses what is not.
+    /// Checks `[transport]`, in which these keys are given, and chooses scheme and hierarchy where they are not.
     pub(super) fn check(&self, given: &Table) -> Checked<Self> {
         let has = |key: &str| given.contains_key(key);
         for (key, value, range, expected) in self.numbers() {
@@ -105,7 +105,8 @@ impl Transport {
             return Err(fault.expected("faces or auto, or scheme = \"blocks\""));
         }
         if self.near == Near::PointSampling && self.cluster == Some(ClusterForm::Projected) {
-            let fault = fault("cluster", "point samples are of triangles; a cluster takes one").found("projected");
+            let fault =
+                fault("cluster", "point samples are of triangles; a cluster takes one sample").found("projected");
             return Err(fault.expected("sample, or transport.near = \"exact\""));
         }
         if has("levels") && !matches!(self.hierarchy, Hierarchy::Butterfly | Hierarchy::ShrinkWrap) {
@@ -160,7 +161,7 @@ impl Transport {
             (
                 self.near == Near::PointSampling,
                 Scheme::Links,
-                "transport.near is point-sampling, which is there to compare the paper's own with",
+                "transport.near is point-sampling, to compare the paper's own method with",
             ),
         ];
         let mut reasons = reasons.into_iter().filter(|(holds, ..)| *holds);

@@ -66,7 +66,7 @@ impl<'de> Visitor<'de> for ColorOrWord {
 pub(super) enum Exposure {
     /// The factor.
     Factor(f64),
-    /// As the picture needs it.
+    /// Metered from the picture.
     Auto,
 }
 

@@ -8,7 +8,7 @@ use toml::Table;
 impl Scene {
     /// The text of its file with `key=value` settings in place of those that it was loaded with; comments are lost.
     pub fn written(&self, sets: &[String]) -> Result<String> {
-        // It was read once.
+        // The text has been parsed before, so this does not fail.
         let mut table: Table = toml::from_str(&self.origin.toml).unwrap_or_default();
         let done: Checked<()> = sets.iter().try_for_each(|set| overrides::apply(&mut table, set));
         done?;

@@ -51,7 +51,8 @@ impl Session {
         self.relinks
     }
 
-    /// How each object's triangles were subdivided, if `transport.subdivide` asks for it; otherwise empty.
+    /// How each object's triangles were subdivided, because they were long or `transport.subdivide` asks for it; empty
+    /// if no object's were.
     pub fn parts(&self) -> &[Parts] {
         &self.parts
     }

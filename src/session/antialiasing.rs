@@ -45,7 +45,7 @@ impl Session {
         self.complete(frame)
     }
 
-    /// Begins that frame; [`Session::go_on`] runs it.
+    /// Begins the frame of sample `k`, as [`Session::sample`] runs it; [`Session::go_on`] runs its steps.
     pub fn begin_sample(&mut self, k: u32) -> Result<FrameParts> {
         let samples = self.scene().camera.samples;
         self.shift(place(k, samples), k)?;

@@ -9,7 +9,7 @@ use crate::layout::{BufferId, Hit, NONE};
 use crate::state::{State, narrow, wide};
 use crate::view::aov::{Layer, Samples};
 
-/// What the layer of the error estimate lacks where light casts shadows and `transport.subdivide` is 0.
+/// A note on what the layer of the error estimate lacks where light casts shadows and `transport.subdivide` is 0.
 const BORDERS: &str = "without borders of shadows within triangles: transport.subdivide = 2 puts them in";
 
 /// The layers of a session's last picture. Numbers of links are complete only where lists are kept (`Mode::Keep`;

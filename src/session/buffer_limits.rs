@@ -13,10 +13,11 @@ impl Session {
         let data = &self.state().data;
         let most = limits.binding_bytes;
         let faces = self.state().sum(|object| object.count.faces);
-        let bits = |of: String, words: u32| format!("a bit for each of {of} and {} samples of lights", 32 * words);
+        let bits =
+            |items: String, words: u32| format!("a bit for each of {items} and {} samples of lights", 32 * words);
         let at_pixels = data.camera.first().map_or(0, |camera| camera.shadow_words);
         let fewer = "use fewer samples, or shadows = false";
-        for (slot, what, advice) in [
+        for (id, what, advice) in [
             (BufferId::lit, bits(format!("{faces} faces"), data.object_params[0].shadow_words), fewer),
             (BufferId::pixel_lit, bits(format!("{} pixels", data.hits.len()), at_pixels), fewer),
             (
@@ -25,14 +26,14 @@ impl Session {
                 "use a smaller transport.blur_texture",
             ),
         ] {
-            let bytes = data.bytes(slot).len() as u64;
+            let bytes = data.bytes(id).len() as u64;
             if bytes > most {
                 let what = format!("{what} takes {bytes} bytes, a binding of the device takes {most}; {advice}");
-                return Err(Error::device(format!("making room for buffer {}", slot.spec().name), what));
+                return Err(Error::device(format!("making room for buffer {}", id.spec().name), what));
             }
         }
         // Without kept links every buffer is necessary; the driver reports whether they fit.
-        let all: u64 = BUFFER_IDS.iter().map(|slot| data.bytes(*slot).len() as u64).sum();
+        let all: u64 = BUFFER_IDS.iter().map(|id| data.bytes(*id).len() as u64).sum();
         if self.plan.options().mode != Mode::OnTheFly && all > limits.heap_bytes {
             let what = format!("all buffers take {all} bytes, the device's memory holds {}", limits.heap_bytes);
             return Err(Error::TooMuchToKeep { what, limited_by: KeepLimit::Device });

@@ -8,7 +8,7 @@ use crate::pipeline::plan::{Plan, ShadingMethod};
 use crate::state::State;
 use crate::transport::octree::HOST;
 
-/// What a stage may leave as it is, and the host reads for every object, though not every object has lists.
+/// Buffers that stages may leave as they are and the host reads for every object, though not every object has lists.
 const STANDING: [BufferId; 4] = [BufferId::cut_short, BufferId::counters, BufferId::stale, BufferId::stale_counts];
 
 impl Session {
@@ -24,7 +24,7 @@ impl Session {
         self.send(&STANDING)
     }
 
-    /// Gives buffers their sizes. A solution in new memory is none to start from.
+    /// Gives buffers their sizes. A solution whose buffer changes its size cannot start the solver.
     fn sized(&mut self, size: fn(&mut State, &Plan)) {
         let length = |session: &Self| session.state().data.bytes(BufferId::solution).len();
         let before = length(self);
@@ -34,30 +34,30 @@ impl Session {
         }
     }
 
-    /// Gives those buffers another size that need one, after a change of `inputs`; all others keep their contents.
+    /// Resizes the buffers that need it after a change of `inputs`; all others keep their contents.
     pub(crate) fn adjust(&mut self, inputs: &[BufferId]) -> Result<()> {
-        let sizes = |session: &Self| STANDING.map(|slot| session.state().data.bytes(slot).len());
+        let sizes = |session: &Self| STANDING.map(|id| session.state().data.bytes(id).len());
         let before = sizes(self);
         self.sized(adjust);
         self.check_bindings()?;
         self.send(inputs)?;
         // New memory may hold anything.
         let made = STANDING.into_iter().zip(before).zip(sizes(self)).filter(|((_, before), now)| before != now);
-        self.send(&made.map(|((slot, _), _)| slot).collect::<Vec<_>>())?;
+        self.send(&made.map(|((id, _), _)| id).collect::<Vec<_>>())?;
         self.blank()
     }
 
     /// Zeroes the buffers that neither a stage of the plan nor the host writes, where a stage or the host reads them.
     fn blank(&mut self) -> Result<()> {
         let transport = self.plan.options().transport;
-        let unwritten = |slot: &BufferId| match transport {
-            ShadingMethod::Octree if *slot == HOST.writes => !self.plan.writes(HOST.reads),
-            ShadingMethod::None if *slot == BufferId::radiosity => true,
-            _ => !self.plan.writes(*slot),
+        let unwritten = |id: &BufferId| match transport {
+            ShadingMethod::Octree if *id == HOST.writes => !self.plan.writes(HOST.reads),
+            ShadingMethod::None if *id == BufferId::radiosity => true,
+            _ => !self.plan.writes(*id),
         };
-        let blank = RESULTS.iter().copied().filter(|slot| *slot != BufferId::counters && unwritten(slot));
+        let blank = RESULTS.iter().copied().filter(|id| *id != BufferId::counters && unwritten(id));
         let blank: Vec<BufferId> = blank.collect();
-        blank.iter().for_each(|slot| self.prepared.state.data.bytes_mut(*slot).fill(0));
+        blank.iter().for_each(|id| self.prepared.state.data.bytes_mut(*id).fill(0));
         self.send(&blank)
     }
 
@@ -69,6 +69,6 @@ impl Session {
     }
 
     pub(crate) fn size_picture(&mut self) {
-        resize(&mut self.prepared.state, &self.plan, |slot| slot.spec().per == "pixel");
+        resize(&mut self.prepared.state, &self.plan, |id| id.spec().per == "pixel");
     }
 }

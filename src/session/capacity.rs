@@ -78,19 +78,19 @@ pub enum Growth {
 }
 
 impl Lists {
-    /// For a device, or for the CPU where there is none.
-    pub fn new(room: CapacityHints, device: Option<&Limits>) -> Self {
+    /// The lists of a device, or of the CPU where there is none.
+    pub fn new(hints: CapacityHints, device: Option<&Limits>) -> Self {
         // Kept lists leave half of the device's memory to everything else.
         let kept = |limits: &Limits| limits.allocation_bytes.min(limits.heap_bytes / 2);
         let (binding, allocation) =
             device.map_or((CPU_BINDING, CPU_ALLOCATION), |limits| (limits.binding_bytes, kept(limits)));
         Self {
-            initial: CapacityHints { batch_blocks: room.batch_blocks.clamp(1, MOST_BLOCKS), ..room },
-            chunk_faces: room.chunk_faces,
-            batch_blocks: room.batch_blocks.clamp(1, MOST_BLOCKS),
-            binding: room.binding.min(binding).min(allocation),
-            allocation: allocation.min(room.kept),
-            limited_by: if room.kept < allocation { KeepLimit::MemoryOption } else { KeepLimit::Device },
+            initial: CapacityHints { batch_blocks: hints.batch_blocks.clamp(1, MOST_BLOCKS), ..hints },
+            chunk_faces: hints.chunk_faces,
+            batch_blocks: hints.batch_blocks.clamp(1, MOST_BLOCKS),
+            binding: hints.binding.min(binding).min(allocation),
+            allocation: allocation.min(hints.kept),
+            limited_by: if hints.kept < allocation { KeepLimit::MemoryOption } else { KeepLimit::Device },
         }
     }
 
@@ -105,48 +105,48 @@ impl Lists {
         let faces = largest_chunk(prepared);
         let chunks = prepared.state.chunk_count().max(1);
         let kept = if prepared.state.keep { (self.allocation / 12) as usize / chunks } else { usize::MAX };
-        let room = |per: usize, stride| ((faces * per).min(kept).min(self.most(stride)).max(64) / 64 * 64) as u32;
-        set(prepared, [room(self.initial.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
+        let capacity = |per: usize, stride| ((faces * per).min(kept).min(self.most(stride)).max(64) / 64 * 64) as u32;
+        set(prepared, [capacity(self.initial.links, 12), capacity(16, 4), capacity(4, 4), capacity(96, 4)]);
     }
 
-    /// The same, of a new state.
+    /// Partitions a new state in the same way; returns these lists.
     pub fn cut_new(self, prepared: &mut Prepared) -> Self {
         self.cut(prepared);
         self
     }
 
-    /// For another state on the same device: where it has as many receivers, the partition and the capacities that
-    /// were found to serve the one `before`, otherwise the initial ones.
+    /// The lists of another state on the same device: where its objects have the same counts and groups, the partition
+    /// and the capacities that were found to serve the state `before`, otherwise the initial ones.
     pub fn again(&self, prepared: &mut Prepared, before: &State) -> Self {
         let CapacityHints { chunk_faces, batch_blocks, .. } = self.initial;
         let fresh = Self { chunk_faces, batch_blocks, ..self.clone() };
         let alike = |(a, b): (&Object, &Object)| a.count == b.count && a.groups == b.groups && a.opaque == b.opaque;
-        let (own, old) = (&prepared.state.objects, &before.objects);
-        let same = own.len() == old.len() && own.iter().zip(old).all(alike);
+        let (new, old) = (&prepared.state.objects, &before.objects);
+        let same = new.len() == old.len() && new.iter().zip(old).all(alike);
         if !same || prepared.state.keep != before.keep || prepared.state.method.scheme != before.method.scheme {
             return fresh.cut_new(prepared);
         }
         let lists = self.clone().cut_new(prepared);
-        for (own, old) in prepared.state.data.object_params.iter_mut().zip(&before.data.object_params) {
-            own.link_capacity = old.link_capacity;
-            own.area_capacity = old.area_capacity;
-            own.edge_capacity = old.edge_capacity;
-            own.hand_capacity = old.hand_capacity;
-            own.edit_capacity = old.edit_capacity;
-            own.entry_capacity = old.entry_capacity;
-            own.near_capacity = old.near_capacity;
+        for (new, old) in prepared.state.data.object_params.iter_mut().zip(&before.data.object_params) {
+            new.link_capacity = old.link_capacity;
+            new.area_capacity = old.area_capacity;
+            new.edge_capacity = old.edge_capacity;
+            new.hand_capacity = old.hand_capacity;
+            new.edit_capacity = old.edit_capacity;
+            new.entry_capacity = old.entry_capacity;
+            new.near_capacity = old.near_capacity;
         }
         lists
     }
 
     /// Fails if lists are to be kept although even short ones, which nearly every scene exceeds, are over the limit.
     pub fn too_much(&self, state: &State) -> Result<()> {
-        let of = |object: &Object| match state.method.scheme {
+        let least_bytes = |object: &Object| match state.method.scheme {
             _ if object.opaque => 0,
             Scheme::Blocks => FEW * object.count.blocks * object.groups.len() * 4,
             Scheme::Links => FEW * object.count.faces * 12,
         };
-        let bytes = state.sum(of) as u64;
+        let bytes = state.sum(least_bytes) as u64;
         if state.keep && bytes > self.allocation { Err(too_many(bytes, self)) } else { Ok(()) }
     }
 
@@ -168,8 +168,8 @@ impl Lists {
             let batch = |k: usize| (k * each).min(blocks) as u32..((k + 1) * each).min(blocks) as u32;
             object.schedule.batches = (0..batches).map(batch).filter(|batch| !batch.is_empty()).collect();
         }
-        let room = ((state.largest_batch() * per_block).max(64) / 64 * 64).min(self.most(4)) as u32;
-        state.data.object_params.iter_mut().for_each(|params| params.entry_capacity = room);
+        let capacity = ((state.largest_batch() * per_block).max(64) / 64 * 64).min(self.most(4)) as u32;
+        state.data.object_params.iter_mut().for_each(|params| params.entry_capacity = capacity);
     }
 
     /// Most elements of `stride` bytes in one list, a multiple of 64.
@@ -194,8 +194,8 @@ impl Lists {
         if need.required_hands > params.hand_capacity {
             lists[3].1 = need.required_hands.max(params.hand_capacity.saturating_mul(2));
         }
-        let mut rooms = lists.map(|(_, _, room, _)| room);
-        for (room, (name, need, had, stride)) in rooms.iter_mut().zip(lists) {
+        let mut capacities = lists.map(|(_, _, capacity, _)| capacity);
+        for (capacity, (name, need, had, stride)) in capacities.iter_mut().zip(lists) {
             let (need, most) = (need as usize, self.most(stride));
             if need > most {
                 // As many faces as fit at this density, less a quarter.
@@ -214,13 +214,13 @@ impl Lists {
                 let kept = self.allocation as usize / 12 / prepared.state.chunk_count().max(1) / 64 * 64;
                 let revised = name == "links" && prepared.state.method.incremental;
                 let spare = if revised { (need / 4).min(kept.saturating_sub(need)) / 64 * 64 } else { need / 32 };
-                *room = (need + spare).next_multiple_of(64).min(most) as u32;
+                *capacity = (need + spare).next_multiple_of(64).min(most) as u32;
             }
         }
-        set(prepared, rooms);
+        set(prepared, capacities);
 
         // Kept lists have to fit one allocation.
-        let bytes = 12 * u64::from(rooms[0]) * prepared.state.chunk_count() as u64;
+        let bytes = 12 * u64::from(capacities[0]) * prepared.state.chunk_count() as u64;
         if prepared.state.keep && bytes > self.allocation {
             return Err(too_many(bytes, self));
         }
@@ -244,8 +244,8 @@ impl Lists {
             self.batch_blocks = (each as f64 * most as f64 / need as f64 * 0.75).max(1.0) as usize;
             self.batches(state, most / self.batch_blocks);
         } else if need > state.data.object_params[0].entry_capacity as usize {
-            let room = (need + need / 32).next_multiple_of(64).min(most) as u32;
-            state.data.object_params.iter_mut().for_each(|params| params.entry_capacity = room);
+            let capacity = (need + need / 32).next_multiple_of(64).min(most) as u32;
+            state.data.object_params.iter_mut().for_each(|params| params.entry_capacity = capacity);
         }
         let bytes = 4 * u64::from(state.data.object_params[0].entry_capacity) * state.batch_count() as u64;
         if state.keep && bytes > self.allocation {
@@ -282,9 +282,9 @@ pub(crate) fn need(state: &State) -> ListCounters {
 }
 
 /// Sets the capacities for links, area-point links, edge-form links, and hand-downs.
-fn set(prepared: &mut Prepared, rooms: [u32; 4]) {
+fn set(prepared: &mut Prepared, capacities: [u32; 4]) {
     for params in &mut prepared.state.data.object_params {
-        [params.link_capacity, params.area_capacity, params.edge_capacity, params.hand_capacity] = rooms;
-        params.edit_capacity = params.edit_capacity.max(rooms[0] / 16).max(64);
+        [params.link_capacity, params.area_capacity, params.edge_capacity, params.hand_capacity] = capacities;
+        params.edit_capacity = params.edit_capacity.max(capacities[0] / 16).max(64);
     }
 }

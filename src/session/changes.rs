@@ -33,7 +33,7 @@ const LIGHTING: &[BufferId] = &[
     BufferId::scattering_media,
 ];
 
-/// What decides how large buffers are, apart from the mesh and the picture.
+/// The values that decide how large buffers are, apart from the mesh and the picture.
 #[derive(PartialEq)]
 struct Layout {
     groups: Vec<Vec<Group>>,
@@ -82,14 +82,14 @@ impl Session {
         let (before, mut changes) = (Layout::of(state), Changes::default());
         for (number, (old, new)) in self.scene.objects.iter_mut().zip(&new.objects).enumerate() {
             if old.material != new.material {
-                // The dipole does not know it.
+                // The dipole does not depend on g.
                 let scatters = if old.material.g == new.material.g { Change::default() } else { Change::MATERIAL };
                 old.material = new.material.clone();
                 changes.add_to(number, material::change(state, number, &old.material, *units).and(scatters));
             }
         }
         let asked = self.fixed.asked.iter_mut().flat_map(|asked| asked.objects.iter_mut().zip(&new.objects));
-        asked.for_each(|(own, new)| own.material.clone_from(&new.material));
+        asked.for_each(|(old, new)| old.material.clone_from(&new.material));
         self.choice.adopt(&self.scene);
         if !state.data.scattering_media.is_empty() {
             media(state, &self.scene.objects, *units);
@@ -108,7 +108,7 @@ impl Session {
         let state = &self.prepared.state;
         let plan = self.plan_of(self.plan.options());
         let enters: Vec<&Stage> = plan.stages.iter().copied().filter(|stage| !self.plan.has(stage)).collect();
-        // Stages that run once need a change of any object, the others one of each.
+        // Stages of the whole scene run for a change of any object, the others only for one of each.
         let runs = |stage: &&Stage| match stage.granularity {
             Granularity::Scene => (stage.runs)(&plan.update(state, changes.any(), None)),
             _ => (0..state.objects.len())
@@ -176,8 +176,8 @@ impl Session {
         }
         let (prepared, hierarchy) = (&mut self.prepared, new.transport.hierarchy);
         let units = prepared.units;
-        let own = prepared.trees.iter().zip(&mut prepared.compactness);
-        new.objects.iter().zip(own).filter(|(object, _)| !object.deforms.is_empty()).all(|(object, (tree, known))| {
+        let trees = prepared.trees.iter().zip(&mut prepared.compactness);
+        new.objects.iter().zip(trees).filter(|(object, _)| !object.deforms.is_empty()).all(|(object, (tree, known))| {
             let known = known.get_or_insert_with(|| Compactness::new(object, tree, units));
             known.spoilt(object, hierarchy, units).is_none()
         })
@@ -186,7 +186,7 @@ impl Session {
     /// Places the objects as they are in a scene with the same objects and lengths.
     fn set_places(&mut self, new: &Scene, units: Units) -> Result<()> {
         let objects = self.scenes().flat_map(|scene| scene.objects.iter_mut().zip(&new.objects));
-        objects.for_each(|(own, new)| (own.rotation, own.position) = (new.rotation, new.position));
+        objects.for_each(|(old, new)| (old.rotation, old.position) = (new.rotation, new.position));
         let (state, scene) = (&mut self.prepared.state, &mut self.scene);
         let before = Layout::of(state);
         // Where the middle of the scene is another one, every place in it is rounded in another way.
@@ -208,7 +208,7 @@ impl Session {
     /// Adopts the deformations of a scene with the same objects.
     fn set_deforms(&mut self, new: &Scene) -> Result<()> {
         let objects = self.scenes().flat_map(|scene| scene.objects.iter_mut().zip(&new.objects));
-        objects.for_each(|(own, new)| own.deforms.clone_from(&new.deforms));
+        objects.for_each(|(old, new)| old.deforms.clone_from(&new.deforms));
         let inputs = [
             BufferId::deforms,
             BufferId::morphs,
@@ -218,7 +218,7 @@ impl Session {
             BufferId::skin_weights,
             BufferId::skin_matrices,
         ];
-        let sizes = |state: &State| inputs.map(|slot| state.data.bytes(slot).len());
+        let sizes = |state: &State| inputs.map(|id| state.data.bytes(id).len());
         let parts = |state: &State| state.objects.iter().map(|object| object.deforms > 0).collect::<Vec<_>>();
         let (before, deformed) = (sizes(self.state()), parts(self.state()));
         let places = self.state().method.incremental.then(|| self.state().data.positions.clone());
@@ -244,7 +244,7 @@ impl Session {
         self.send(&inputs)
     }
 
-    /// Deforms the vertices on the host, too, if that is still to be done: a frame does without.
+    /// Deforms the vertices on the host, too, if that is still to be done: a frame does not need it.
     pub fn deform(&mut self) {
         if std::mem::take(&mut self.moved) {
             deform_all(&mut self.prepared.state);
@@ -282,8 +282,8 @@ impl Session {
         let device = self.device().cloned();
         let mut scene = self.fixed.asked.clone().unwrap_or_else(|| self.scene.clone());
         change(&mut scene);
-        let (options, room) = (self.fixed.options, self.fixed.room);
-        *self = Self::after(Some(self), &scene, device.as_ref(), options, room)?;
+        let (options, hints) = (self.fixed.options, self.fixed.room);
+        *self = Self::after(Some(self), &scene, device.as_ref(), options, hints)?;
         Ok(())
     }
 

@@ -11,9 +11,10 @@ use crate::scene::{Object, Receivers, Scene, Scheme};
 pub(crate) struct Choice {
     /// The transport that was asked for.
     transport: ShadingMethod,
-    /// What the choice depends on of each object's shape at rest; none of opaque ones, or where nothing is chosen.
+    /// The properties of each object's shape at rest on which the choice depends; none for an opaque object. Empty
+    /// where nothing is chosen.
     shapes: Vec<Option<Inside>>,
-    /// What is known of diffusion in each object.
+    /// Whether diffusion holds in each object.
     validity: Vec<Validity>,
 }
 
@@ -61,11 +62,11 @@ impl Choice {
 
     /// Whether other materials of the same objects lead to the same choice.
     pub fn stays(&self, scene: &Scene) -> bool {
-        let fit = |all: &[Validity]| all.iter().map(|one| one.unfit.is_none()).collect::<Vec<_>>();
+        let fit = |all: &[Validity]| all.iter().map(|known| known.unfit.is_none()).collect::<Vec<_>>();
         self.transport != ShadingMethod::Auto || fit(&validity(&self.shapes, scene)) == fit(&self.validity)
     }
 
-    /// Other materials of the same objects.
+    /// Takes over other materials of the same objects.
     pub fn adopt(&mut self, scene: &Scene) {
         if !self.validity.is_empty() {
             self.validity = validity(&self.shapes, scene);
@@ -77,19 +78,20 @@ impl Choice {
         if self.transport != ShadingMethod::Auto {
             return plan;
         }
-        let unfit = self.validity.iter().enumerate().filter_map(|(number, one)| Some((number, one.unfit.as_ref()?)));
+        let unfit =
+            self.validity.iter().enumerate().filter_map(|(number, known)| Some((number, known.unfit.as_ref()?)));
         unfit.fold(plan, |plan, (number, why)| {
             plan.without(("diffusion", format!("of object {number}, the dipole serves instead: {why}")))
         })
     }
 }
 
-/// What is known of diffusion in each object.
+/// Whether diffusion holds in each object.
 fn validity(shapes: &[Option<Inside>], scene: &Scene) -> Vec<Validity> {
-    let of = |(shape, object): (&Option<Inside>, &Object)| {
+    let known = |(shape, object): (&Option<Inside>, &Object)| {
         shape.as_ref().filter(|_| object.material.opaque.is_none()).map(|shape| shape.validity(&object.material))
     };
-    shapes.iter().zip(&scene.objects).map(|pair| of(pair).unwrap_or_default()).collect()
+    shapes.iter().zip(&scene.objects).map(|pair| known(pair).unwrap_or_default()).collect()
 }
 
 /// An error where diffusion inside an object has no meaning.
@@ -108,7 +110,7 @@ impl Session {
     #[must_use]
     pub fn diffusion_doubts(&self) -> Vec<String> {
         let auto = self.choice.transport == ShadingMethod::Auto;
-        let line = |(number, one): (usize, &Validity)| match (&one.unfit, &one.doubt) {
+        let line = |(number, known): (usize, &Validity)| match (&known.unfit, &known.doubt) {
             (Some(why), _) if auto => Some(format!("object {number}: the dipole, not diffusion: {why}")),
             (Some(why), _) => Some(format!("object {number}: diffusion promises nothing: {why}")),
             (None, Some(why)) => Some(format!("object {number}: diffusion may be off by 10 to 40 %: {why}")),

@@ -69,11 +69,11 @@ pub fn clusters(session: &mut Session, pick: [u32; 2]) -> Result<(Picture, Emitt
 /// The nodes that light the receiver, and the triangles to paint as the receiver.
 fn emitters(state: &State, object: usize, pixel: usize, face: usize) -> (Vec<u32>, Vec<usize>) {
     let (data, part) = (&state.data, &state.objects[object]);
-    let own = face - part.first.faces;
+    let local = face - part.first.faces;
     if state.method.scheme == Scheme::Links {
-        return (linked(state, object, data.leaves[face]), vec![own]);
+        return (linked(state, object, data.leaves[face]), vec![local]);
     }
-    let receiver = if part.by_pixel { data.seen[pixel] as usize } else { own };
+    let receiver = if part.by_pixel { data.seen[pixel] as usize } else { local };
     for (at, batch) in state.batches().filter(|(at, _)| at.object == object && at.group == 0) {
         for number in batch.clone() {
             let block = data.blocks[part.first.blocks + number as usize];
@@ -82,12 +82,12 @@ fn emitters(state: &State, object: usize, pixel: usize, face: usize) -> (Vec<u32
                 let run = data.runs[state.part(BufferId::runs, at).0 + (number - batch.start) as usize];
                 let first = state.part(BufferId::entries, at).0 + run.first as usize;
                 let count = run.expanded + run.direct + run.area + run.edge;
-                let painted = if part.by_pixel { vec![own] } else { has.collect() };
+                let painted = if part.by_pixel { vec![local] } else { has.collect() };
                 return (data.entries[first..first + count as usize].to_vec(), painted);
             }
         }
     }
-    (Vec::new(), vec![own])
+    (Vec::new(), vec![local])
 }
 
 /// Emitters linked to a leaf and to all clusters that contain it.
@@ -102,12 +102,12 @@ fn linked(state: &State, object: usize, leaf: u32) -> Vec<u32> {
     while node != u32::MAX {
         let span = data.spans[part.first.nodes + node as usize];
         // A node is in one chunk; nodes at the top are in the first.
-        let own = (0..part.schedule.chunks.len()).find_map(|chunk| {
-            let (base, room) = state.part(BufferId::links, Scope { object, chunk, group: 0 });
-            let links = data.links[base..base + room].get(span.link as usize..(span.link + span.links) as usize)?;
+        let links = (0..part.schedule.chunks.len()).find_map(|chunk| {
+            let (base, length) = state.part(BufferId::links, Scope { object, chunk, group: 0 });
+            let links = data.links[base..base + length].get(span.link as usize..(span.link + span.links) as usize)?;
             links.iter().all(|link| link.receiver == node).then_some(links)
         });
-        found.extend(own.into_iter().flatten().map(|link| link.emitter));
+        found.extend(links.into_iter().flatten().map(|link| link.emitter));
         node = data.topology[part.first.nodes + node as usize].parent;
     }
     found
@@ -149,8 +149,8 @@ pub fn color(emitters: &Emitters, level: usize) -> [f32; 3] {
 fn paint(state: &State, emitters: &Emitters, receivers: &[usize]) -> Picture {
     let first = state.objects[emitters.object].first.faces;
     lit_from_the_eye(state, |hit, _| {
-        let own = state.object_of(hit.face as usize) == emitters.object;
-        match own.then(|| hit.face as usize - first) {
+        let inside = state.object_of(hit.face as usize) == emitters.object;
+        match inside.then(|| hit.face as usize - first) {
             Some(face) if receivers.contains(&face) => DVec3::ONE,
             Some(face) => emitters.of_face[face].map_or(DVec3::splat(0.05), |(node, level)| {
                 let shade = f64::from(node.wrapping_mul(2_654_435_761) >> 16) / 65_536.0;

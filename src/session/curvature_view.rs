@@ -86,13 +86,13 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
     // kappa at all vertices, and how far the cubic fit differs.
     let (mut all, mut apart) = (Vec::new(), Vec::new());
     for (number, object) in state.objects.iter().enumerate().filter(|(_, object)| !object.opaque) {
-        let one = state.alone(number);
-        all.extend((0..object.count.vertices).map(|vertex| f64::from(kappa(&one.data, vertex)) * length));
+        let alone = state.alone(number);
+        all.extend((0..object.count.vertices).map(|vertex| f64::from(kappa(&alone.data, vertex)) * length));
         let difference = |vertex: usize| {
-            let [k1, k2] = fit::at(&one.data, vertex).filter(|_| one.data.curvature[vertex].area > 0.0)?;
-            let own = f64::from(one.data.curvature[vertex].kappa);
+            let [k1, k2] = fit::at(&alone.data, vertex).filter(|_| alone.data.curvature[vertex].area > 0.0)?;
+            let computed = f64::from(alone.data.curvature[vertex].kappa);
             let fitted = if mean { 0.5 * (k1 + k2).abs() } else { (0.5 * (k1 * k1 + k2 * k2)).sqrt() };
-            Some((fitted - own).abs() / (fitted + own).max(f64::MIN_POSITIVE))
+            Some((fitted - computed).abs() / (fitted + computed).max(f64::MIN_POSITIVE))
         };
         apart.par_extend((0..object.count.vertices).into_par_iter().filter_map(difference));
     }
@@ -114,8 +114,8 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
     Ok((lit_from_the_eye(state, paint), curvature_view))
 }
 
-/// The picture of what pixels show, lit from the eye, in colours by the hit and its triangle's corners with their
-/// weights; black where there is nothing.
+/// The picture of what pixels show, lit from the eye, in the colours that `paint` gives a hit and its triangle's
+/// corners with their weights; black where there is nothing.
 pub(super) fn lit_from_the_eye(state: &State, paint: impl Fn(&Hit, [(u32, f64); 3]) -> DVec3) -> Picture {
     let (data, camera) = (&state.data, &state.data.camera[0]);
     let pixel = |hit: &Hit| {

@@ -31,7 +31,7 @@ fn iterates(step: &Step) -> bool {
 }
 
 impl Session {
-    /// How the systems of the last frame that solved any were solved, one report a translucent object.
+    /// Reports on the systems of the last frame that solved any, one for each translucent object.
     #[must_use]
     pub fn solve_reports(&self) -> &[SolveReport] {
         &self.solves
@@ -65,10 +65,10 @@ impl Session {
         let before = std::mem::take(&mut self.solves);
         let warms = matches!(self.plan.options().mode, Mode::Render | Mode::Incremental);
         for object in 0..self.state().objects.len() {
-            let own: Vec<Step> =
+            let iterations: Vec<Step> =
                 steps.iter().filter(|step| iterates(step) && step.at.object == object).copied().collect();
             if let Some(sum) = steps.iter().find(|step| step.stage.is(&krylov_sum::STAGE) && step.at.object == object) {
-                self.solve_object(&own, *sum, warms && !before.is_empty(), &mut times)?;
+                self.solve_object(&iterations, *sum, warms && !before.is_empty(), &mut times)?;
             }
         }
         let rest: Vec<Step> = steps[first..]
@@ -81,21 +81,21 @@ impl Session {
     }
 
     /// Solves the system of one object, `warm` from the last frame's solution.
-    fn solve_object(&mut self, own: &[Step], sum: Step, warm: bool, times: &mut Vec<Timing>) -> Result<()> {
+    fn solve_object(&mut self, iterations: &[Step], sum: Step, warm: bool, times: &mut Vec<Timing>) -> Result<()> {
         let object = sum.at.object;
         let asked = self.scene.transport.steps;
         let target = self.targets(object);
         let mut report = SolveReport { object, ..SolveReport::default() };
-        // From what is there: the last frame's solution, or what the starts before have found.
+        // Start from what is known: the last frame's solution, or what the starts before have found.
         self.prepared.state.method.warm = warm;
         for _ in 0..STARTS {
             let mut taken = 0;
-            for pair in own.chunks(2) {
+            for pair in iterations.chunks(2) {
                 add(times, self.run(pair)?);
                 taken = pair[0].at.chunk;
                 report.residual = self.residual_of(object)?;
                 if taken == 0 && self.state().method.warm && !report.residual.iter().all(|&left| left <= 1.0) {
-                    // A start that is worse than none, or no number.
+                    // A start that is worse than none, or NaN.
                     self.prepared.state.method.warm = false;
                     add(times, self.run(pair)?);
                     report.residual = self.residual_of(object)?;
@@ -119,7 +119,7 @@ impl Session {
         Ok(())
     }
 
-    /// The residuals at which an object's channels are done; its area counts at rest.
+    /// The residuals at which an object's channels are done, by its area at rest.
     fn targets(&self, object: usize) -> [f64; 3] {
         let (mesh, length) = (&self.scene.objects[object].mesh, self.prepared.units.length);
         let corners = mesh.triangles.iter().map(|triangle| triangle.map(|v| mesh.positions[v as usize]));
@@ -140,14 +140,14 @@ impl Session {
 /// Adds times to those of the same stage.
 fn add(times: &mut Vec<Timing>, more: Vec<Timing>) {
     let end = times.last().map_or(0.0, |last| last.start + last.milliseconds);
-    for one in more {
-        match times.iter_mut().find(|known| known.name == one.name) {
+    for time in more {
+        match times.iter_mut().find(|known| known.name == time.name) {
             Some(known) => {
-                known.milliseconds += one.milliseconds;
-                known.dispatches += one.dispatches;
-                known.barriers += one.barriers;
+                known.milliseconds += time.milliseconds;
+                known.dispatches += time.dispatches;
+                known.barriers += time.barriers;
             }
-            None => times.push(Timing { start: end + one.start, ..one }),
+            None => times.push(Timing { start: end + time.start, ..time }),
         }
     }
 }

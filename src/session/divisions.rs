@@ -1,4 +1,4 @@
-//! What there is to say of triangles that are long: which were divided, and which were left.
+//! Lines for the user on long triangles: which were divided, and which were left.
 
 use super::run::Session;
 use super::subdivide::Parts;
@@ -41,11 +41,11 @@ impl Session {
     pub fn left_long(&self) -> Vec<bool> {
         let (mut all, transport) = (Vec::new(), &self.scene.transport);
         if self.fixed.options.transport == ShadingMethod::Walk {
-            // Its values are means.
+            // The values of a walk are means.
             return all;
         }
         for (number, object) in self.scene.objects.iter().enumerate() {
-            // Deforming, or as asked.
+            // Only objects that deform, or whose triangles stay as they are because that was asked for.
             if object.deforms.is_empty() && (transport.receivers != Receivers::Faces || !self.parts.is_empty()) {
                 continue;
             }

@@ -10,8 +10,8 @@ impl Session {
     /// translucent objects, 0 in a channel without light. None where no error is estimated; objects whose receivers are
     /// pixels are left out.
     ///
-    /// It is the estimate as it is, which adds up what links miss as if nothing cancelled; after [`Session::sharpen`]
-    /// the refined one.
+    /// This is the estimate of the frame itself, which adds up the errors of links as if none cancelled; after
+    /// [`Session::sharpen`] it is the refined one.
     pub fn estimated_error(&mut self) -> Result<Option<[f64; 3]>> {
         if !self.state().method.estimate {
             return Ok(None);
@@ -21,9 +21,9 @@ impl Session {
         let (mut missed, mut power) = ([0.0; 3], [0.0; 3]);
         let at_faces = |object: &Object| !object.opaque && !object.by_pixel;
         for (number, object) in state.objects.iter().enumerate().filter(|(_, object)| at_faces(object)) {
-            for (own, area) in self.areas(number).into_iter().enumerate() {
-                let receiver = object.first.receivers + own;
-                let beside = self.missed(object.first.faces + own);
+            for (local, area) in self.areas(number).into_iter().enumerate() {
+                let receiver = object.first.receivers + local;
+                let beside = self.missed(object.first.faces + local);
                 for c in 0..3 {
                     missed[c] += area * f64::from(data.estimate[receiver][c]).hypot(beside[c]).powi(2);
                     power[c] += area * f64::from(data.radiosity[receiver][c]).powi(2);

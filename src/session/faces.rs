@@ -115,22 +115,22 @@ fn put_together(parts: Vec<FaceLight>, made: &Parts, before: u32) -> Vec<FaceLig
             }
         })
         .collect();
-    for (part, (row, &of)) in parts.iter().zip(&made.of).enumerate() {
-        let whole = &mut rows[of as usize];
+    for (part, (row, &original)) in parts.iter().zip(&made.of).enumerate() {
+        let whole = &mut rows[original as usize];
         // Triangles without an area have the values of one of their parts.
-        let share = if areas[of as usize] > 0.0 {
-            row.area / areas[of as usize]
+        let share = if areas[original as usize] > 0.0 {
+            row.area / areas[original as usize]
         } else {
-            f64::from(made.middle[of as usize] as usize == part)
+            f64::from(made.middle[original as usize] as usize == part)
         };
         let add = |sum: &mut [f64; 3], more: [f64; 3]| (0..3).for_each(|c| sum[c] += share * more[c]);
         whole.area += row.area;
         whole.center += share * row.center;
         add(&mut whole.irradiance, row.irradiance);
         add(&mut whole.radiosity, row.radiosity);
-        if let (Some(sum), Some(own)) = (&mut whole.estimate, row.estimate) {
+        if let (Some(sum), Some(estimate)) = (&mut whole.estimate, row.estimate) {
             let missed = made.missed.get(part).copied().unwrap_or_default();
-            add(sum, [0, 1, 2].map(|c| own[c].hypot(missed[c])));
+            add(sum, [0, 1, 2].map(|c| estimate[c].hypot(missed[c])));
         }
     }
     rows

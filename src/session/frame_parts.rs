@@ -15,7 +15,7 @@ use crate::transport::octree::HOST;
 /// A frame that has begun.
 pub struct FrameParts {
     begin: Instant,
-    /// What it is to bring up to date.
+    /// The changes that it brings up to date.
     changes: Changes,
     /// Its steps, and how far it is; none before they are known.
     steps: Option<Steps>,
@@ -55,8 +55,8 @@ impl Session {
         Ok(FrameParts { begin: Instant::now(), changes, steps: None, last, times, last_sample: false })
     }
 
-    /// Runs what is left of the frame, or goes on with it `until` then: where steps run on the device by themselves, it
-    /// ends with the first dispatch that is done later. Returns the times of all once the frame is done.
+    /// Runs the rest of the frame or, where its steps can run one by one, goes on with it up to the first dispatch that
+    /// is done after `until`. Returns the times of all steps once the frame is done.
     pub fn go_on(&mut self, frame: &mut FrameParts, until: Option<Instant>) -> Result<Option<Vec<Timing>>> {
         let mut steps = match frame.steps.take() {
             Some(known) => known,
@@ -137,8 +137,8 @@ impl Session {
         }
     }
 
-    /// Leaves a frame that is not done; the next one does its work again, what has come in on the way included: longer
-    /// lists, and links made anew.
+    /// Leaves a frame that is not done; the next one does its work again, and what was found to be needed on the way:
+    /// longer lists, and links made anew.
     pub fn leave(&mut self, frame: FrameParts) {
         self.pending = std::mem::take(&mut self.pending).and(&frame.changes);
         if self.state().method.incremental {
@@ -170,20 +170,20 @@ impl Session {
             return Ok(None);
         }
         self.fetch(&[BufferId::counters])?;
-        let cursors = &self.prepared.state.data.counters;
-        if cursors.iter().any(|counters| counters.unfinished != 0) {
+        let counters = &self.prepared.state.data.counters;
+        if counters.iter().any(|counters| counters.unfinished != 0) {
             self.linked = false;
             let advice =
                 "use transport.receivers = \"faces\", or raise receiver_angle and emitter_angle of scheme links";
             return Err(unfinished("linking", advice));
         }
-        if cursors.iter().all(|counters| counters.overflow == 0) {
+        if counters.iter().all(|counters| counters.overflow == 0) {
             self.linked = self.linked || ran(&refine::STAGE);
             return Ok(None);
         }
         self.retries += 1;
-        // Links made anew that did not fit are no links that an update could start from.
-        let remade = |step: &Step| step.stage.is(&refine::STAGE) && cursors[step.at.object].overflow != 0;
+        // An update cannot start from links made anew that did not fit.
+        let remade = |step: &Step| step.stage.is(&refine::STAGE) && counters[step.at.object].overflow != 0;
         if ran(&update_links::STAGE) && !steps.iter().any(remade) {
             self.make_room()?;
             // Sum all links: the light of the previous frame has been overwritten.

@@ -105,7 +105,7 @@ impl Session {
                 self.fetch(&[BufferId::hits, self.pixels()])?;
                 let (state, data) = (&self.prepared.state, &self.prepared.state.data);
                 let pixels = if self.sampled { &data.mean } else { &data.radiance };
-                let of = |opaque: bool| -> Vec<f32> {
+                let brightness = |opaque: bool| -> Vec<f32> {
                     let seen = |face: u32| {
                         face < data.triangles.len() as u32
                             && (opaque || !state.objects[state.object_of(face as usize)].opaque)
@@ -113,8 +113,8 @@ impl Session {
                     let seen = data.hits.iter().zip(pixels).filter(|(hit, _)| seen(hit.face));
                     seen.map(|(_, pixel)| pixel.iter().copied().fold(0.0, f32::max)).collect()
                 };
-                let translucent = of(false);
-                metered(if translucent.is_empty() { of(true) } else { translucent }, self.scene.camera.tone)
+                let translucent = brightness(false);
+                metered(if translucent.is_empty() { brightness(true) } else { translucent }, self.scene.camera.tone)
             }
         };
         if exposure == self.scene.camera.exposure {

@@ -18,11 +18,11 @@ pub(crate) fn share_budget(state: &mut State, budget: Option<u32>) -> Result<()>
     let mut before = 0;
     for (object, params) in state.objects.iter().zip(&mut state.data.object_params) {
         // Rounded so that the shares add up to the budget.
-        let own = faces(object.opaque, object.count.faces);
+        let triangles = faces(object.opaque, object.count.faces);
         let until = |faces: u64| u64::from(budget) * faces / all;
-        params.budget = (until(before + own) - until(before)) as u32;
-        before += own;
-        if own > 0 && params.budget == 0 {
+        params.budget = (until(before + triangles) - until(before)) as u32;
+        before += triangles;
+        if triangles > 0 && params.budget == 0 {
             let fault = Input::new("too small for the objects of the scene").key("transport.budget").found(budget);
             return Err(fault.expected("at least one form factor a frame for each object, shared by triangles").into());
         }
@@ -37,7 +37,7 @@ impl Session {
         self.state().data.counters.iter().map(|counters| u64::from(counters.stale)).sum()
     }
 
-    /// Form factors that the last frame computed for kept links; none if it rebuilt all links.
+    /// Form factors that the last frame computed for kept links; 0 if it rebuilt all links.
     #[must_use]
     pub fn renewed(&self) -> u64 {
         self.spent + self.state().data.counters.iter().map(|counters| u64::from(counters.computed)).sum::<u64>()
@@ -126,10 +126,10 @@ impl Session {
         for (object, part) in state.objects.iter().enumerate().filter(|(_, part)| !part.opaque) {
             for chunk in 0..part.schedule.chunks.len() {
                 let nodes = part.schedule.chunks[chunk].nodes.clone();
-                let own = &state.data.order[part.first.nodes..][nodes.start as usize..nodes.end as usize];
+                let ordered = &state.data.order[part.first.nodes..][nodes.start as usize..nodes.end as usize];
                 let base = state.part(BufferId::links, Scope { object, chunk, group: 0 }).0;
                 let mut list: Vec<usize> = Vec::new();
-                for &node in own {
+                for &node in ordered {
                     let span = &mut state.data.spans[part.first.nodes + node as usize];
                     let links = base + span.link as usize..base + (span.link + span.links) as usize;
                     end = end.max(span.link + span.links);

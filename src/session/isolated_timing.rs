@@ -40,6 +40,6 @@ impl Session {
 
     /// Bytes of all buffers of the state.
     pub fn bytes(&self) -> u64 {
-        BUFFER_IDS.iter().map(|&slot| self.state().data.bytes(slot).len() as u64).sum()
+        BUFFER_IDS.iter().map(|&id| self.state().data.bytes(id).len() as u64).sum()
     }
 }

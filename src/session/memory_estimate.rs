@@ -23,6 +23,6 @@ pub(crate) fn check(scene: &Scene, options: Options) -> Result<()> {
     scene.memory.need(bytes).map_err(|error| {
         let what = format!("{}: a frame does not fit the memory", scene.name);
         let found = format!("{triangles} triangles, {width} x {height} pixels, {texels} texels: {error}");
-        Input::new(what).found(found).expected("less of them, or a larger --limit-memory").into()
+        Input::new(what).found(found).expected("fewer of them, or a larger --limit-memory").into()
     })
 }

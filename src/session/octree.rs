@@ -26,7 +26,7 @@ pub struct OctreeTransport {
 }
 
 impl OctreeTransport {
-    /// For these settings, or the fault in them.
+    /// The octree of these settings; an error if it cannot serve them.
     pub fn new(transport: &Transport) -> Result<Self> {
         if transport.distance != Distance::Radial {
             let fault = Input::new("the octree works with radial distances only").key("transport.distance");

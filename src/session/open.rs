@@ -31,9 +31,9 @@ impl Session {
         scene: &Scene,
         device: Option<&Device>,
         options: Options,
-        room: CapacityHints,
+        hints: CapacityHints,
     ) -> Result<Self> {
-        Self::after(None, scene, device, options, room)
+        Self::after(None, scene, device, options, hints)
     }
 
     /// The same with what an earlier session has: its device's buffers and pipelines, which it loses if this succeeds;

@@ -23,8 +23,8 @@ impl Session {
         Ok(if longer && kept { Change::RELINK } else { Change::EVERYTHING })
     }
 
-    /// Switches to lists per frame if `done` is [`Error::TooMuchToKeep`], and returns false then. The
-    /// links layer of a picture and the views of links need kept lists: for them (`Mode::Keep`) it stays an error.
+    /// Switches to lists per frame if `done` is [`Error::TooMuchToKeep`], and returns false then. The links layer of a
+    /// picture, the views of links (`Mode::Keep`) and diffusion need kept lists: for them it stays an error.
     pub(crate) fn unless_too_much(&mut self, done: Result<()>) -> Result<bool> {
         let (what, limited_by) = match done {
             Err(Error::TooMuchToKeep { what, limited_by }) => (what, limited_by),

@@ -45,8 +45,8 @@ impl Session {
         let data = &mut self.prepared.state.data;
         let sharper = &other.state().data;
         let radiosity = data.radiosity.iter().zip(&sharper.radiosity);
-        for ((own, (b, better)), missed) in data.estimate.iter_mut().zip(radiosity).zip(&sharper.estimate) {
-            *own = [0, 1, 2].map(|c| ((b[c] - better[c]).abs() + missed[c]).min(f32::MAX));
+        for ((estimate, (b, better)), missed) in data.estimate.iter_mut().zip(radiosity).zip(&sharper.estimate) {
+            *estimate = [0, 1, 2].map(|c| ((b[c] - better[c]).abs() + missed[c]).min(f32::MAX));
         }
         self.sharp = Some(Ok(()));
         Ok(())

@@ -101,7 +101,7 @@ impl Session {
 
     /// The state's non-empty buffers, with their bytes.
     pub fn buffers(&self) -> Vec<(BufferId, u64)> {
-        let sized = BUFFER_IDS.iter().map(|&slot| (slot, self.state().data.bytes(slot).len() as u64));
+        let sized = BUFFER_IDS.iter().map(|&id| (id, self.state().data.bytes(id).len() as u64));
         sized.filter(|(_, bytes)| *bytes > 0).collect()
     }
 }

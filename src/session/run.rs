@@ -52,7 +52,7 @@ pub struct Session {
     pub(crate) spent: u64,
     /// Whether the host has refined the last frame's error estimate, or why that failed; none before an attempt.
     pub(crate) sharp: Option<std::result::Result<(), String>>,
-    /// How each object's triangles were subdivided, if `transport.subdivide` asks for it.
+    /// How each object's triangles were subdivided; empty if no object's were.
     pub(crate) parts: Vec<Parts>,
     /// Why lists are rebuilt in each frame, if the mode asks to keep them.
     pub(crate) not_kept: Option<String>,
@@ -126,24 +126,24 @@ impl Session {
 
     /// Downloads these buffers to the host, except what the host itself computes: deformed positions, the octree's
     /// radiosity where no object is opaque, and a refined estimate.
-    pub fn fetch(&mut self, slots: &[BufferId]) -> Result<()> {
-        if slots.contains(&BufferId::positions) {
+    pub fn fetch(&mut self, ids: &[BufferId]) -> Result<()> {
+        if ids.contains(&BufferId::positions) {
             self.deform();
         }
         let octree = self.octree.is_some() && !self.state().objects.iter().any(|object| object.opaque);
-        let there = |slot: &BufferId| match *slot {
+        let there = |id: &BufferId| match *id {
             BufferId::positions => true,
             BufferId::radiosity => octree,
             BufferId::estimate => self.sharpened(),
             _ => false,
         };
-        let slots: Vec<BufferId> = slots.iter().copied().filter(|slot| !there(slot)).collect();
-        self.gpu.as_ref().map_or(Ok(()), |gpu| gpu.download(&mut self.prepared.state, &slots))
+        let ids: Vec<BufferId> = ids.iter().copied().filter(|id| !there(id)).collect();
+        self.gpu.as_ref().map_or(Ok(()), |gpu| gpu.download(&mut self.prepared.state, &ids))
     }
 
     /// Uploads these buffers from the host.
-    pub(crate) fn send(&mut self, slots: &[BufferId]) -> Result<()> {
-        let sent = self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.upload(&self.prepared.state, slots));
+    pub(crate) fn send(&mut self, ids: &[BufferId]) -> Result<()> {
+        let sent = self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.upload(&self.prepared.state, ids));
         sent.inspect_err(|_| self.failed = true)
     }
 }

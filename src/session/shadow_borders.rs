@@ -21,8 +21,9 @@ impl Session {
             && self.state().data.lights.iter().any(casts)
     }
 
-    /// Triangles that the error estimate misjudges, since a border of a shadow in the last frame runs through them or
-    /// along them: of two neighbours, both turned to a light, it reaches one. 0 if borders are in the estimate.
+    /// The number of triangles that the error estimate misjudges, since a border of a shadow in the last frame runs
+    /// through them or along them: of two neighbours, both turned to a light, it reaches one. 0 if borders are in the
+    /// estimate.
     pub fn bordered(&mut self) -> Result<usize> {
         if !self.leaves_out_borders() {
             return Ok(0);

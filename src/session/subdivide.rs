@@ -155,7 +155,7 @@ impl Session {
     }
 }
 
-/// An object without splits.
+/// The parts of an object that is not split.
 fn whole(mesh: &Mesh) -> Parts {
     let all: Vec<u32> = (0..).take(mesh.triangles.len()).collect();
     Parts {
@@ -173,10 +173,10 @@ impl Parts {
     fn divide(&mut self, whole: &Mesh, mesh: &Mesh, from: Vec<u32>) {
         let center = |mesh: &Mesh, face: usize| mesh.corners(face).map_or(DVec3::ZERO, |[a, b, c]| (a + b + c) / 3.0);
         let mut nearest = vec![f64::INFINITY; self.middle.len()];
-        for (part, &of) in (0..).zip(&from) {
-            let distance = center(mesh, part as usize).distance_squared(center(whole, of as usize));
-            if distance < nearest[of as usize] {
-                (nearest[of as usize], self.middle[of as usize]) = (distance, part);
+        for (part, &original) in (0..).zip(&from) {
+            let distance = center(mesh, part as usize).distance_squared(center(whole, original as usize));
+            if distance < nearest[original as usize] {
+                (nearest[original as usize], self.middle[original as usize]) = (distance, part);
             }
         }
         self.of = from;
@@ -204,7 +204,7 @@ fn irradiance(scene: &Scene) -> Result<Vec<Vec<[f64; 3]>>> {
     Ok(by_object(&session, &session.state().data.irradiance, 1.0))
 }
 
-/// Values of the triangles, object by object, in mesh order.
+/// Values of the triangles times `scale`, object by object, in mesh order.
 fn by_object(session: &Session, values: &[[f32; 3]], scale: f64) -> Vec<Vec<[f64; 3]>> {
     let value = |face: usize| values[face].map(|x| scale * f64::from(x));
     let of_object = |object: usize| session.prepared.places(object).into_iter().map(value).collect();
@@ -214,10 +214,10 @@ fn by_object(session: &Session, values: &[[f32; 3]], scale: f64) -> Vec<Vec<[f64
 /// Difference between the mean irradiance of each triangle's parts and its own.
 fn lost(coarse: &[[f64; 3]], fine: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let parts = fine.len() / coarse.len().max(1);
-    let of = |(whole, parts): (&[f64; 3], &[[f64; 3]])| {
+    let change = |(whole, parts): (&[f64; 3], &[[f64; 3]])| {
         [0, 1, 2].map(|c| (parts.iter().map(|e| e[c]).sum::<f64>() / parts.len() as f64 - whole[c]).abs())
     };
-    coarse.iter().zip(fine.chunks(parts.max(1))).map(of).collect()
+    coarse.iter().zip(fine.chunks(parts.max(1))).map(change).collect()
 }
 
 /// Whether each triangle has to be split.

@@ -25,10 +25,11 @@ const PILOT: u32 = 8192;
 /// Extinction at most, per internal length: denser materials are scaled down to it, with their albedo kept, because
 /// positions in `f32` would show no walk.
 const WALK_DENSEST: f64 = 1e5;
+
 /// The walks of a session.
 #[derive(Default)]
 pub struct WalkTransport {
-    /// How they are watched.
+    /// How the walks are watched.
     pub control: WalkControl,
     /// What became of the light in the last frame's walk, of each translucent object.
     pub reports: Vec<WalkReport>,
@@ -58,18 +59,18 @@ pub(super) fn prepare_walk(prepared: &mut Prepared, scene: &Scene, control: Walk
     let inside = "light can only walk through a closed object";
     enclosed(&scene.objects, "walk", [inside, "light enters a walk from outside only"])?;
     let slots = asked.unwrap_or(SLOTS).min(SLOTS);
-    // The first photons tell how long all take, where somebody wants to know.
+    // Where a limit or a listener needs to know how long all photons take, the first ones tell.
     let watched = control.limit.is_some() || control.tell.is_some();
     let photons = match asked.filter(|_| control.within.is_none()) {
         Some(asked) if !watched => asked,
         Some(asked) => asked.min(PILOT),
         None => PILOT,
     };
-    let of = |(number, object): (usize, &crate::scene::Object)| {
+    let params_of = |(number, object): (usize, &crate::scene::Object)| {
         let params = params(&object.material, prepared.units, number, slots, photons);
         WalkParams { seed: params.seed.wrapping_add(control.seed), ..params }
     };
-    prepared.state.data.walk_params = scene.objects.iter().enumerate().map(of).collect();
+    prepared.state.data.walk_params = scene.objects.iter().enumerate().map(params_of).collect();
     Ok(())
 }
 
@@ -87,16 +88,16 @@ impl Session {
     /// Has this much light enter each triangle from the next frame on, in the place of its irradiance, whose directions
     /// it keeps: E in the scene's units, object after object, in the order of the meshes.
     pub fn walk_from(&mut self, light: &[[f64; 3]]) {
-        let (mut own, mut light) = (vec![[0.0; 3]; self.state().data.irradiance.len()], light.iter());
+        let (mut entering, mut light) = (vec![[0.0; 3]; self.state().data.irradiance.len()], light.iter());
         for object in 0..self.scene.objects.len() {
             for (place, e) in self.prepared.places(object).into_iter().zip(&mut light) {
-                own[place] = e.map(|e| (e / self.prepared.units.light) as f32);
+                entering[place] = e.map(|e| (e / self.prepared.units.light) as f32);
             }
         }
-        self.walk.entering = Some(own);
+        self.walk.entering = Some(entering);
     }
 
-    /// What the device does not promise that walks rely on, if it does not: a line for the user.
+    /// A line for the user if walks rely on a rounding that the device does not promise.
     #[must_use]
     pub fn walk_caveat(&self) -> Option<String> {
         let device = self.device().filter(|device| self.walks() && !device.limits().round_to_nearest)?;
@@ -120,8 +121,8 @@ impl Session {
             self.send(&[BufferId::walk_params])?;
         }
         if let Some(light) = self.walk.entering.clone() {
-            let own = |step: &Step| step.stage.module == random_walk::STAGE.module;
-            let first = steps.iter().position(own).unwrap_or(steps.len());
+            let of_walk = |step: &Step| step.stage.module == random_walk::STAGE.module;
+            let first = steps.iter().position(of_walk).unwrap_or(steps.len());
             times.extend(self.run(&steps[..first])?);
             self.prepared.state.data.irradiance = light;
             self.send(&[BufferId::irradiance])?;
@@ -184,7 +185,7 @@ impl Session {
             self.run(&[step])?;
             self.fetch(&[BufferId::photons])?;
             let data = &self.state().data;
-            let (params, light) = (data.walk_params[step.at.object], total_of(self.state(), step.at.object));
+            let (params, light) = (data.walk_params[step.at.object], lit_channels(self.state(), step.at.object));
             let every = params.slots / 3;
             let number = |slot: usize| slot as u32 / 3 + data.photons[slot].started * every;
             let slots = || (0..params.slots as usize).filter(|slot| light[slot % 3]);
@@ -208,7 +209,7 @@ impl Session {
 }
 
 /// Whether light enters an object, per channel.
-fn total_of(state: &State, object: usize) -> [bool; 3] {
+fn lit_channels(state: &State, object: usize) -> [bool; 3] {
     let total = &state.data.entry_blocks[blocks(state.objects[object].count.faces)];
     [0, 1, 2].map(|c| total.sum(c) > 0)
 }

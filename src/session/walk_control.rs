@@ -22,7 +22,7 @@ pub struct WalkControl {
     pub tell: Option<fn(&str)>,
     /// Told between rounds how far a walk has got, and `None` at its end.
     pub show: Option<fn(Option<&WalkProgress>)>,
-    /// Other numbers, other photons.
+    /// Seed of the photons' random numbers.
     pub seed: u32,
 }
 
@@ -83,12 +83,12 @@ impl Course {
         }
     }
 
-    /// The noise of so many photons is known.
+    /// Takes note of the noise that `photons` of each channel left.
     pub fn learn(&mut self, photons: u32, noise: f64) {
         self.known = Some((photons.into(), noise));
     }
 
-    /// More photons are about to start than the `done` ones of each channel.
+    /// Takes note that more photons of each channel are about to start, after `done` of them.
     pub fn go_on(&mut self, done: u32) {
         self.since = Some((Instant::now(), done.into()));
     }
@@ -125,13 +125,13 @@ impl Course {
         match self.control.limit.filter(late) {
             None => Ok(()),
             Some(limit) => {
-                let what = format!("{} takes longer than its first photons, which do already", self.named());
+                let what = format!("{} takes too long: its first photons alone do", self.named());
                 Err(beyond(&what, &format!("more than {} s", limit.as_secs_f64()), limit))
             }
         }
     }
 
-    /// The walk, by what ends it.
+    /// The walk in words, by what ends it.
     fn named(&self) -> String {
         match self.end {
             End::Noise(goal) => format!("a walk to transport.walk_error = {goal}"),
@@ -194,7 +194,7 @@ fn seconds_of(x: f64) -> String {
 }
 
 fn beyond(what: &str, found: &str, limit: Duration) -> crate::error::Error {
-    let least = format!("at most {} s: less to walk, or --limit-time", limit.as_secs_f64());
+    let least = format!("at most {} s: fewer photons, or a larger --limit-time", limit.as_secs_f64());
     Input::new(what).key("--limit-time").found(found).expected(least).into()
 }
 

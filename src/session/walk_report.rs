@@ -9,6 +9,7 @@ use crate::transport::walk::sum64;
 const LOST: f64 = 1e-4;
 /// Photons that may be lost however few there are.
 const FEW_LOST: u64 = 8;
+
 /// What became of the light in a walk through an object, per channel; shares are of what entered.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WalkReport {
@@ -32,22 +33,22 @@ pub struct WalkReport {
     pub stopped: bool,
 }
 
-/// Sum of a balance over the slots of a channel.
-fn sum(state: &State, channel: usize, of: fn(&WalkBalance) -> [u32; 2]) -> u64 {
-    state.data.balances.iter().skip(channel).step_by(3).map(|balance| sum64(of(balance))).sum()
+/// Sum of a field of the balances over the slots of a channel.
+fn sum(state: &State, channel: usize, field: fn(&WalkBalance) -> [u32; 2]) -> u64 {
+    state.data.balances.iter().skip(channel).step_by(3).map(|balance| sum64(field(balance))).sum()
 }
 
-/// What became of the light so far; an error where it does not add up, or does not find out.
+/// What became of the light so far; an error where it does not add up, or too much of it finds no way out.
 pub(super) fn report_of(state: &State, object: usize, parts: &[std::ops::Range<usize>]) -> Result<WalkReport> {
-    let (own, data) = (&state.objects[object], &state.data);
-    let exits = &data.exits[own.first.faces..][..own.count.faces];
+    let (part, data) = (&state.objects[object], &state.data);
+    let exits = &data.exits[part.first.faces..][..part.count.faces];
     let photons = data.walk_params[object].photons;
     let mut report = WalkReport { object, photons, ..WalkReport::default() };
     for c in 0..3 {
-        let of = |of: fn(&WalkBalance) -> [u32; 2]| sum(state, c, of);
+        let total = |field: fn(&WalkBalance) -> [u32; 2]| sum(state, c, field);
         let left: u64 = exits.iter().map(|exit| exit.once(c) + exit.more(c)).sum();
-        let (entered, gained, killed) = (of(|b| b.entered), of(|b| b.gained), of(|b| b.killed));
-        let (straight, absorbed, lost) = (of(|b| b.straight), of(|b| b.absorbed), of(|b| b.lost));
+        let (entered, gained, killed) = (total(|b| b.entered), total(|b| b.gained), total(|b| b.killed));
+        let (straight, absorbed, lost) = (total(|b| b.straight), total(|b| b.absorbed), total(|b| b.lost));
         if entered + gained != left + straight + absorbed + lost + killed {
             let what = format!("{entered} + {gained} in, {left} + {straight} + {absorbed} + {lost} + {killed} out");
             return Err(Error::device("adding up the light of a walk", what));
@@ -63,7 +64,8 @@ pub(super) fn report_of(state: &State, object: usize, parts: &[std::ops::Range<u
         }
         let (mut noise, mut square) = (0.0, 0.0);
         for faces in parts {
-            let area = |face: usize| data.clusters[own.first.nodes + data.leaves[own.first.faces + face] as usize].area;
+            let area =
+                |face: usize| data.clusters[part.first.nodes + data.leaves[part.first.faces + face] as usize].area;
             let area: f64 = faces.clone().map(|face| f64::from(area(face))).sum();
             let [left, squares] = exits[faces.clone()]
                 .iter()

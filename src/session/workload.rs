@@ -29,9 +29,9 @@ const NEAR: f32 = 9.0;
 pub struct Rays {
     /// The stage that casts them.
     pub stage: &'static str,
-    /// What there is a ray for, by light: `triangles`, `pixels`.
+    /// What the rays start at, one a light sample: `triangles` or `pixels`.
     pub per: &'static str,
-    /// How many of those.
+    /// How many of those there are.
     pub places: u64,
     /// Light samples that cast shadows; none for rays of the camera.
     pub samples: Option<u64>,
@@ -105,14 +105,14 @@ impl Session {
             let asks = |object: usize| {
                 state.objects[object].plain() || state.data.object_params[object].reflection != REFLECTION_NONE
             };
-            let own = Places::new(state, asks);
+            let asking = Places::new(state, asks);
             let lights = &state.data.pixel_lights;
             let casting: Vec<usize> = (0..lights.len()).filter(|&number| lights[number].shadow != NONE).collect();
             let samples = Some(casting.len() as u64);
             let light = |number: usize, k, normal| pixel_light(&state.data, casting[number], k, normal);
-            let [facing, boxes] = faces.shadowed(&own, casting.len(), light);
+            let [facing, boxes] = faces.shadowed(&asking, casting.len(), light);
             let shown =
-                mean(sight.iter().map(|&[origin, direction]| f64::from(u8::from(own.ahead(origin, direction)))));
+                mean(sight.iter().map(|&[origin, direction]| f64::from(u8::from(asking.ahead(origin, direction)))));
             let (stage, places, share) = (pixel_shadow::STAGE.name, pixels as u64, shown * facing);
             load.rays.push(Rays { stage, per: "pixels", places, samples, share, boxes });
         }
@@ -158,21 +158,21 @@ fn square(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 impl Places {
-    fn new(state: &State, of: impl Fn(usize) -> bool) -> Self {
+    fn new(state: &State, includes: impl Fn(usize) -> bool) -> Self {
         let data = &state.data;
-        let objects = state.objects.iter().enumerate().filter(|(number, _)| of(*number));
+        let objects = state.objects.iter().enumerate().filter(|(number, _)| includes(*number));
         let all: Vec<(usize, usize)> = objects
             .flat_map(|(number, object)| (0..object.count.faces).map(move |face| (number, object.first.faces + face)))
             .collect();
         let step = all.len().div_ceil(AGAINST).max(1);
         let taken = all.iter().skip(step / 2).step_by(step);
-        // No frame has run yet.
+        // No frame has run yet that would have placed the vertices.
         let place = |object: usize, v: u32| placed(&data.object_params[object], data.positions[v as usize]);
         let corners: Vec<_> = taken.map(|&(object, face)| data.triangles[face].map(|v| place(object, v))).collect();
         Self { each: all.len() as f64 / corners.len().max(1) as f64, corners }
     }
 
-    /// Some of the triangles.
+    /// Some of the triangles, at most [`SAMPLE`].
     fn some(&self) -> impl Iterator<Item = &[[f32; 3]; 3]> {
         let step = self.corners.len().div_ceil(SAMPLE).max(1);
         self.corners.iter().skip(step / 2).step_by(step)
@@ -181,8 +181,9 @@ impl Places {
     /// Boxes along a ray, behind what it hits, too.
     fn along(&self, origin: [f32; 3], direction: [f32; 3]) -> f64 {
         let met = |corners: &&[[f32; 3]; 3]| {
-            let side =
-                |of: fn(f32, f32) -> f32| std::array::from_fn(|k| of(of(corners[0][k], corners[1][k]), corners[2][k]));
+            let side = |end: fn(f32, f32) -> f32| {
+                std::array::from_fn(|k| end(end(corners[0][k], corners[1][k]), corners[2][k]))
+            };
             may_meet(side(f32::min), side(f32::max), origin, direction)
         };
         self.each * self.corners.iter().filter(met).count() as f64

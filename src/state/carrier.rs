@@ -29,7 +29,7 @@ pub enum Carrier {
 }
 
 impl Carrier {
-    /// All of them.
+    /// All carriers.
     pub const ALL: &'static [Self] = &[
         Self::Blocks,
         Self::Links,
@@ -97,13 +97,13 @@ impl Carrier {
 }
 
 impl State {
-    /// What carries the light in each object, and in frames without objects.
+    /// What carries the light in this object, or in a frame without objects.
     pub fn carrier(&self, transport: ShadingMethod, object: Option<usize>) -> Carrier {
         let solves = object.is_some_and(|object| self.objects[object].solves());
         Carrier::new(transport, self.method.scheme, solves)
     }
 
-    /// What carries the light in the translucent objects; never nothing at all.
+    /// What carries the light in the translucent objects, each carrier once; at least one.
     pub fn carriers(&self, transport: ShadingMethod) -> Vec<Carrier> {
         let translucent = (0..self.objects.len()).filter(|&object| !self.objects[object].opaque);
         let mut carriers: Vec<Carrier> = Vec::new();

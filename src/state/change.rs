@@ -76,9 +76,9 @@ impl Change {
 /// What has changed for all objects, and for single ones.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
-    /// For all.
+    /// For all objects.
     all: Change,
-    /// For each, in addition; objects beyond the end have none.
+    /// For each object, in addition; objects beyond the end have none.
     own: Vec<Change>,
 }
 
@@ -121,7 +121,7 @@ impl Changes {
         self
     }
 
-    /// Each of them mapped.
+    /// Each change, mapped by `f`.
     #[must_use]
     pub fn map(&self, f: impl Fn(Change) -> Change) -> Self {
         Self { all: f(self.all), own: self.own.iter().map(|&change| f(change)).collect() }
@@ -156,7 +156,7 @@ impl Update {
         self.shape() || self.change.place
     }
 
-    /// Light spreads otherwise in the material.
+    /// Light spreads differently in the material.
     #[must_use]
     pub fn material(&self) -> bool {
         self.shape() || self.change.material
@@ -168,7 +168,7 @@ impl Update {
         self.shape() || self.change.light
     }
 
-    /// The light that enters, or how it spreads.
+    /// The light that enters has changed, or how it spreads.
     #[must_use]
     pub fn transport(&self) -> bool {
         self.light() || self.change.material
@@ -228,8 +228,8 @@ impl Update {
         !self.incremental || self.change.light || self.makes_links()
     }
 
-    /// Links are built from scratch, with their form factors. The oracle of links does not know the material, but their
-    /// form factors and the rules by which these are computed do.
+    /// Links are built from scratch, with their form factors. The oracle of links does not depend on the material, but
+    /// their form factors and the rules by which these are computed do.
     #[must_use]
     pub fn makes_links(&self) -> bool {
         match (self.incremental, self.keeps) {

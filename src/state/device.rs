@@ -29,7 +29,8 @@ pub struct DeviceState {
 }
 
 impl DeviceState {
-    /// No buffers yet. With `guarded`, every buffer is followed by bytes that [`Self::trespasses`] checks.
+    /// The copy of a state, without buffers yet. With `guarded`, every buffer is followed by bytes that
+    /// [`Self::trespasses`] checks.
     pub fn new(device: &Device, guarded: bool) -> Result<Self> {
         let nothing = Box::new(Buffer::new(device, "nothing", 4)?);
         let (kernels, recordings) = (Kernels::new(device), Recordings::default());
@@ -47,7 +48,7 @@ impl DeviceState {
         &self.recordings
     }
 
-    /// What shows that the device executes a frame.
+    /// The check that the device executes a frame.
     pub(super) fn execution(&self) -> &ExecutionCheck {
         &self.execution
     }
@@ -56,28 +57,28 @@ impl DeviceState {
     /// is not allocated unless guarded.
     pub fn resize(&mut self, state: &State) -> Result<()> {
         let mut made = Vec::new();
-        for &slot in BUFFER_IDS {
-            let size = state.data.bytes(slot).len() as u64;
+        for &id in BUFFER_IDS {
+            let size = state.data.bytes(id).len() as u64;
             if size == 0 && !self.guarded {
-                self.buffers.remove(&slot);
+                self.buffers.remove(&id);
                 continue;
             }
             let whole = if self.guarded { size.next_multiple_of(4) + GUARD } else { size };
-            if self.buffers.get(&slot).is_some_and(|buffer| buffer.size() == whole) {
+            if self.buffers.get(&id).is_some_and(|buffer| buffer.size() == whole) {
                 continue;
             }
-            self.buffers.remove(&slot);
-            self.buffers.insert(slot, Buffer::new(&self.device, slot.spec().name, whole)?);
-            made.push(slot);
+            self.buffers.remove(&id);
+            self.buffers.insert(id, Buffer::new(&self.device, id.spec().name, whole)?);
+            made.push(id);
         }
         if !made.is_empty() {
             self.recordings.clear();
         }
         if let Some(byte) = self.device.choices().fill {
-            let sizes = made.iter().map(|slot| self.buffers[slot].size() as usize);
+            let sizes = made.iter().map(|id| self.buffers[id].size() as usize);
             let bytes = vec![byte; sizes.max().unwrap_or(0)];
-            let fill = |slot: &BufferId| {
-                let buffer = &self.buffers[slot];
+            let fill = |id: &BufferId| {
+                let buffer = &self.buffers[id];
                 Upload { buffer, offset: 0, bytes: &bytes[..buffer.size() as usize] }
             };
             upload(&self.device, &made.iter().map(fill).collect::<Vec<_>>())?;
@@ -92,45 +93,44 @@ impl DeviceState {
     }
 
     /// The guard bytes after the end of these buffers; none where buffers are not guarded.
-    fn guards(&self, state: &State, slots: &[BufferId]) -> Vec<BufferRange<'_>> {
-        let guard = |slot: &BufferId| {
-            let (buffer, used) = (self.buffers.get(slot)?, state.data.bytes(*slot).len() as u64);
+    fn guards(&self, state: &State, ids: &[BufferId]) -> Vec<BufferRange<'_>> {
+        let guard = |id: &BufferId| {
+            let (buffer, used) = (self.buffers.get(id)?, state.data.bytes(*id).len() as u64);
             Some(BufferRange { buffer, offset: used, size: buffer.size().saturating_sub(used) })
         };
-        slots.iter().filter(|_| self.guarded).filter_map(guard).collect()
+        ids.iter().filter(|_| self.guarded).filter_map(guard).collect()
     }
 
     /// Copies these buffers of the state to the device.
-    pub fn upload(&mut self, state: &State, slots: &[BufferId]) -> Result<()> {
+    pub fn upload(&mut self, state: &State, ids: &[BufferId]) -> Result<()> {
         self.resize(state)?;
-        let fill = |slot: &BufferId| {
-            Some(Upload { buffer: self.buffers.get(slot)?, offset: 0, bytes: state.data.bytes(*slot) })
-        };
-        upload(&self.device, &slots.iter().filter_map(fill).collect::<Vec<_>>())
+        let fill =
+            |id: &BufferId| Some(Upload { buffer: self.buffers.get(id)?, offset: 0, bytes: state.data.bytes(*id) });
+        upload(&self.device, &ids.iter().filter_map(fill).collect::<Vec<_>>())
     }
 
     /// Copies these buffers of the device to the state.
-    pub fn download(&self, state: &mut State, slots: &[BufferId]) -> Result<()> {
-        let slots: Vec<BufferId> = slots.iter().copied().filter(|slot| self.buffers.contains_key(slot)).collect();
-        let range = |slot: &BufferId| {
-            let size = state.data.bytes(*slot).len() as u64;
-            BufferRange { buffer: &self.buffers[slot], offset: 0, size }
+    pub fn download(&self, state: &mut State, ids: &[BufferId]) -> Result<()> {
+        let ids: Vec<BufferId> = ids.iter().copied().filter(|id| self.buffers.contains_key(id)).collect();
+        let range = |id: &BufferId| {
+            let size = state.data.bytes(*id).len() as u64;
+            BufferRange { buffer: &self.buffers[id], offset: 0, size }
         };
-        let ranges: Vec<_> = slots.iter().map(range).collect();
+        let ranges: Vec<_> = ids.iter().map(range).collect();
         download(&self.device, &ranges, |part| {
             let end = part.offset + part.bytes.len();
-            state.data.bytes_mut(slots[part.range])[part.offset..end].copy_from_slice(part.bytes);
+            state.data.bytes_mut(ids[part.range])[part.offset..end].copy_from_slice(part.bytes);
         })
     }
 
     /// The names of guarded buffers whose guard was overwritten.
     pub fn trespasses(&self, state: &State) -> Result<Vec<&'static str>> {
-        let slots: Vec<BufferId> = self.buffers.keys().copied().collect();
-        let mut found = vec![false; slots.len()];
-        download(&self.device, &self.guards(state, &slots), |part| {
+        let ids: Vec<BufferId> = self.buffers.keys().copied().collect();
+        let mut found = vec![false; ids.len()];
+        download(&self.device, &self.guards(state, &ids), |part| {
             found[part.range] |= part.bytes.iter().any(|&byte| byte != GUARD_BYTE);
         })?;
-        Ok(slots.iter().zip(found).filter(|(_, found)| *found).map(|(slot, _)| slot.spec().name).collect())
+        Ok(ids.iter().zip(found).filter(|(_, found)| *found).map(|(id, _)| id.spec().name).collect())
     }
 
     /// The kernels created so far, and what they have done where they count it.
@@ -140,12 +140,12 @@ impl DeviceState {
 
     /// The allocated buffers with their sizes in bytes, without the placeholder for empty ones.
     pub fn buffers(&self) -> impl Iterator<Item = (BufferId, u64)> + '_ {
-        self.buffers.iter().map(|(slot, buffer)| (*slot, buffer.size()))
+        self.buffers.iter().map(|(id, buffer)| (*id, buffer.size()))
     }
 
     /// A buffer, if it is allocated.
-    pub fn buffer(&self, slot: BufferId) -> Option<&Buffer> {
-        self.buffers.get(&slot)
+    pub fn buffer(&self, id: BufferId) -> Option<&Buffer> {
+        self.buffers.get(&id)
     }
 
     /// Records one dispatch of a kernel; each buffer is bound to its part for the scope of the call.
@@ -170,19 +170,19 @@ impl DeviceState {
         at: Scope,
     ) -> impl Iterator<Item = (BufferId, Binding<'a>)> {
         kernel.accesses.iter().filter_map(move |access| {
-            let slot = state.data.bound(*BUFFER_IDS.get(access.binding as usize)?);
-            let Some(buffer) = self.buffers.get(&slot) else {
-                return Some((slot, Binding { number: access.binding, buffer: &self.nothing, offset: 0, size: 4 }));
+            let id = state.data.bound(*BUFFER_IDS.get(access.binding as usize)?);
+            let Some(buffer) = self.buffers.get(&id) else {
+                return Some((id, Binding { number: access.binding, buffer: &self.nothing, offset: 0, size: 4 }));
             };
-            let stride = slot.spec().stride as u64;
-            let (first, count) = state.part(slot, at);
-            let (offset, own) = (first as u64 * stride, (count as u64 * stride).max(4));
+            let stride = id.spec().stride as u64;
+            let (first, count) = state.part(id, at);
+            let (offset, needed) = (first as u64 * stride, (count as u64 * stride).max(4));
             // A driver drops writes beyond what is bound. What follows the part is bound too where it is guarded, so
             // that they show; not where the kernel goes by the number of elements that are bound.
             let guard = if self.guarded && access.writes && !access.asks_length { GUARD } else { 0 };
             let most = (buffer.size() - offset).min(self.device.limits().binding_bytes);
-            let size = (own + guard).min(most).max(own);
-            Some((slot, Binding { number: access.binding, buffer, offset, size }))
+            let size = (needed + guard).min(most).max(needed);
+            Some((id, Binding { number: access.binding, buffer, offset, size }))
         })
     }
 
@@ -191,10 +191,10 @@ impl DeviceState {
         &self,
         state: &State,
         at: Scope,
-        (slot, element): (BufferId, usize),
+        (id, element): (BufferId, usize),
     ) -> Option<BufferRange<'_>> {
-        let offset = ((state.part(slot, at).0 + element) * slot.spec().stride) as u64;
-        Some(BufferRange { buffer: self.buffers.get(&slot)?, offset, size: 12 })
+        let offset = ((state.part(id, at).0 + element) * id.spec().stride) as u64;
+        Some(BufferRange { buffer: self.buffers.get(&id)?, offset, size: 12 })
     }
 }
 

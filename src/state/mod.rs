@@ -79,7 +79,7 @@ pub enum Granularity {
     Group,
     /// Once per batch of blocks and group of channels.
     Batch,
-    /// Once per step of a solver, the start before them.
+    /// Once per step of a solver, and once for the start before the first.
     Iteration,
 }
 
@@ -105,7 +105,7 @@ pub struct Method {
     pub projected: bool,
     /// Steps of a solver at most, from one start to the next; 0 where there is nothing to solve.
     pub steps: u32,
-    /// Whether the solver starts from the solution that is there.
+    /// Whether the solver starts from the solution found so far.
     pub warm: bool,
     /// The local shading that takes the place of transport, if any.
     pub local: Option<Local>,

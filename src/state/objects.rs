@@ -64,7 +64,7 @@ pub enum LitAt {
 }
 
 /// The next multiple of 64.
-fn room(count: usize) -> usize {
+fn padded(count: usize) -> usize {
     count.next_multiple_of(64)
 }
 
@@ -84,8 +84,8 @@ impl Object {
         !self.opaque || self.lit_at != LitAt::Pixels
     }
 
-    /// The object's range in a buffer, its first element and their number; `words` is the number of shadow words per
-    /// triangle.
+    /// The object's range in a buffer, its first element and the number of elements; `words` is the number of shadow
+    /// words per triangle.
     pub(super) fn run(&self, partition: Partition, words: usize) -> (usize, usize) {
         let (first, count) = (self.first, self.count);
         match partition {
@@ -102,12 +102,12 @@ impl Object {
 
     /// Elements that it takes in the buffer of its Krylov space.
     pub fn of_vectors(&self) -> usize {
-        self.vectors * room(self.count.faces)
+        self.vectors * padded(self.count.faces)
     }
 
     /// Elements that each group of channels has in the buffers of moments.
     pub(super) fn of_group(&self) -> usize {
-        room(self.count.nodes)
+        padded(self.count.nodes)
     }
 }
 
@@ -161,9 +161,9 @@ impl State {
         self.data.lights.iter().any(|light| light.color.iter().any(|&x| x > 0.0)) || !self.data.sky.is_empty()
     }
 
-    /// The sum of `of` over all objects.
-    pub fn sum(&self, of: impl Fn(&Object) -> usize) -> usize {
-        self.objects.iter().map(of).sum()
+    /// The sum of `count` over all objects.
+    pub fn sum(&self, count: impl Fn(&Object) -> usize) -> usize {
+        self.objects.iter().map(count).sum()
     }
 
     /// Joins states of one object each: their vertices, triangles, trees and blocks. Lists and results are still
@@ -189,8 +189,8 @@ impl State {
                 let sigma_0_first = params.sigma_0_first + if params.sigma_0_size[0] > 0 { texel } else { 0 };
                 ObjectParams { texture_first, sigma_0_first, ..*params }
             }));
-            for &slot in BUFFER_IDS {
-                let (partition, have) = (slot.spec().partition, state.data.bytes(slot));
+            for &id in BUFFER_IDS {
+                let (partition, have) = (id.spec().partition, state.data.bytes(id));
                 if matches!(
                     partition,
                     Partition::Whole
@@ -205,18 +205,18 @@ impl State {
                     continue;
                 }
                 let (first, count) = object.run(partition, 0);
-                joined.data.resize(slot, first + count);
-                joined.data.bytes_mut(slot)[first * slot.spec().stride..].copy_from_slice(have);
+                joined.data.resize(id, first + count);
+                joined.data.bytes_mut(id)[first * id.spec().stride..].copy_from_slice(have);
             }
             for vertex in joined.data.triangles[first.faces..].iter_mut().flatten() {
                 *vertex += corner;
             }
             first = Extent {
-                vertices: first.vertices + room(object.count.vertices + 1),
-                faces: first.faces + room(object.count.faces),
-                nodes: first.nodes + room(object.count.nodes),
-                blocks: first.blocks + room(object.count.blocks),
-                receivers: first.receivers + room(object.count.receivers),
+                vertices: first.vertices + padded(object.count.vertices + 1),
+                faces: first.faces + padded(object.count.faces),
+                nodes: first.nodes + padded(object.count.nodes),
+                blocks: first.blocks + padded(object.count.blocks),
+                receivers: first.receivers + padded(object.count.receivers),
             };
             joined.objects.push(object);
         }
@@ -234,20 +234,20 @@ impl State {
     /// One object's part of every buffer, as a state of that object alone.
     pub fn alone(&self, number: usize) -> Self {
         let object = Object { first: Extent::default(), ..self.objects[number].clone() };
-        let mut one = Self { data: Default::default(), objects: vec![object], ..*self };
-        for &slot in BUFFER_IDS {
-            let (stride, (first, count)) = (slot.spec().stride, self.parts(slot, number));
-            one.data.clear(slot, count);
-            one.data.bytes_mut(slot).copy_from_slice(&self.data.bytes(slot)[first * stride..(first + count) * stride]);
+        let mut alone = Self { data: Default::default(), objects: vec![object], ..*self };
+        for &id in BUFFER_IDS {
+            let (stride, (first, count)) = (id.spec().stride, self.parts(id, number));
+            alone.data.clear(id, count);
+            alone.data.bytes_mut(id).copy_from_slice(&self.data.bytes(id)[first * stride..(first + count) * stride]);
         }
-        one
+        alone
     }
 
     /// Copies these buffers back from a state made by [`Self::alone`].
-    pub fn take(&mut self, number: usize, one: &Self, slots: impl IntoIterator<Item = BufferId>) {
-        for slot in slots {
-            let (stride, (first, count)) = (slot.spec().stride, self.parts(slot, number));
-            self.data.bytes_mut(slot)[first * stride..(first + count) * stride].copy_from_slice(one.data.bytes(slot));
+    pub fn take(&mut self, number: usize, alone: &Self, ids: impl IntoIterator<Item = BufferId>) {
+        for id in ids {
+            let (stride, (first, count)) = (id.spec().stride, self.parts(id, number));
+            self.data.bytes_mut(id)[first * stride..(first + count) * stride].copy_from_slice(alone.data.bytes(id));
         }
     }
 }

@@ -98,13 +98,13 @@ pub struct Options {
     pub mode: Mode,
     /// The goal.
     pub goal: Goal,
-    /// Whether an error estimate is requested for each receiver; only scheme `blocks` has one.
+    /// Whether an error estimate is requested for each receiver; only scheme `blocks` and diffusion have one.
     pub estimate: bool,
 }
 
 impl Options {
-    /// For a picture with layers: one of them is the error estimate, and another shows the lengths of the lists,
-    /// which must be kept for it.
+    /// These options for a picture with layers: one layer is the error estimate, and another shows the lengths of the
+    /// lists, which must be kept for it.
     #[must_use]
     pub fn with_layers(self) -> Self {
         Self { goal: Goal::Layers, estimate: true, mode: self.mode.kept(), ..self }

@@ -54,10 +54,10 @@ impl State {
     }
 
     /// The part of a buffer that a dispatch of this scope binds: first element and number of elements.
-    pub fn part(&self, slot: BufferId, at: Scope) -> (usize, usize) {
-        let (cut, all) = (slot.spec().partition, self.data.bytes(slot).len() / slot.spec().stride);
+    pub fn part(&self, id: BufferId, at: Scope) -> (usize, usize) {
+        let (cut, all) = (id.spec().partition, self.data.bytes(id).len() / id.spec().stride);
         let Some(object) = self.objects.get(at.object).filter(|_| all > 0) else { return (0, all) };
-        let before = |of: fn(&Object) -> usize| self.objects[..at.object].iter().map(of).sum::<usize>();
+        let before = |count: fn(&Object) -> usize| self.objects[..at.object].iter().map(count).sum::<usize>();
         let (part, parts) = match cut {
             Partition::Whole => return (0, all),
             Partition::Object => return (at.object, 1),
@@ -78,15 +78,15 @@ impl State {
                     .unwrap_or_default();
             }
         };
-        let room = all / parts.max(1);
-        if self.keep { (part * room, room) } else { (0, all) }
+        let length = all / parts.max(1);
+        if self.keep { (part * length, length) } else { (0, all) }
     }
 
     /// All parts of one object in a buffer: first element and number of elements.
-    pub(super) fn parts(&self, slot: BufferId, number: usize) -> (usize, usize) {
+    pub(super) fn parts(&self, id: BufferId, number: usize) -> (usize, usize) {
         let (object, at) = (&self.objects[number], Scope { object: number, ..Scope::default() });
-        let (first, count) = self.part(slot, at);
-        match slot.spec().partition {
+        let (first, count) = self.part(id, at);
+        match id.spec().partition {
             Partition::Group if count > 0 => (first, count * object.groups.len()),
             Partition::Chunk if self.keep => (first, count * chunks(object)),
             Partition::Batch if self.keep => (first, count * batches(object)),

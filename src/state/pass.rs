@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::gpu::{Access, Device, Recorder, Timing, accesses};
 use crate::layout::{BUFFER_IDS, BufferId, Range, TOP_LEVELS};
 
-/// Clusters of a level up to which a group takes all levels from there to the root.
+/// The most clusters of a level from which one group takes all levels up to the root.
 const TOP_LEVEL: usize = 256;
 
 /// What a stage records its dispatches with.
@@ -69,9 +69,10 @@ impl Dispatch {
             let (first, count) = state.part(slot, self.at);
             [first, first + count].map(|element| (element * slot.spec().stride) as u64)
         };
-        let of = accesses(&self.kernel)?;
-        let known =
-            of.iter().filter_map(|access| Some((state.data.bound(*BUFFER_IDS.get(access.binding as usize)?), access)));
+        let accesses = accesses(&self.kernel)?;
+        let known = accesses
+            .iter()
+            .filter_map(|access| Some((state.data.bound(*BUFFER_IDS.get(access.binding as usize)?), access)));
         let bound = |(slot, access): (BufferId, &Access)| Bound {
             slot,
             range: range(slot),
@@ -97,10 +98,10 @@ pub struct Width {
 }
 
 impl Width {
-    /// A GPU's, where there is no device to ask.
+    /// The width of a GPU, where there is no device to ask.
     pub const GPU: Self = Self { subgroup: 32, processor: false };
 
-    /// This device's.
+    /// The width of this device.
     pub fn of(device: &Device) -> Self {
         Self { subgroup: device.limits().subgroup_size.max(1) as usize, processor: device.adapter().kind == "cpu" }
     }
@@ -118,7 +119,7 @@ pub fn dispatches(state: &State, steps: &[Step], width: Width) -> Result<Vec<Dis
 
 impl DeviceState {
     /// Runs a step's dispatches one at a time, and notes what each was given and what it left. Before each runs,
-    /// `told` gets those that have, and it.
+    /// `told` gets the trace of those that have run, and the one that is next.
     pub fn trace(
         &self,
         state: &State,
@@ -169,7 +170,7 @@ impl DeviceState {
 }
 
 impl<'s> Pass<'s> {
-    /// For a step on a device.
+    /// The pass of a step on a device.
     pub(super) fn record(
         state: &'s State,
         step: Step,
@@ -253,7 +254,7 @@ impl<'s> Pass<'s> {
         levels.iter().try_for_each(|level| self.dispatch_level(part, constants, level))
     }
 
-    /// The same, with the stage's kernel `top` for the levels below the root that have few clusters each.
+    /// The same, with the stage's kernel `top` for the levels at the root that have few clusters each.
     pub fn climb_to_top(&mut self, part: &str, top: &str, constants: &[u32]) -> Result<()> {
         let levels: Vec<Range> = self.object().schedule.upward().map(in_order).collect();
         let few = levels.iter().rev().take(TOP_LEVELS).take_while(|level| level.count as usize <= TOP_LEVEL);

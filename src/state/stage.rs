@@ -26,9 +26,9 @@ impl Step {
         if at == Scope::SCENE || state.objects.len() < 2 {
             return (stage.cpu)(state, at);
         }
-        let mut one = state.alone(at.object);
-        (stage.cpu)(&mut one, Scope { object: 0, ..at });
-        state.take(at.object, &one, stage.writes.iter().map(|(slot, _, _)| *slot));
+        let mut alone = state.alone(at.object);
+        (stage.cpu)(&mut alone, Scope { object: 0, ..at });
+        state.take(at.object, &alone, stage.writes.iter().map(|(id, _, _)| *id));
     }
 }
 
@@ -142,10 +142,10 @@ impl Stage {
 
     /// Whether it writes a buffer.
     #[must_use]
-    pub const fn writes(&self, slot: BufferId) -> bool {
+    pub const fn writes(&self, id: BufferId) -> bool {
         let mut k = 0;
         while k < self.writes.len() {
-            if self.writes[k].0 as usize == slot as usize {
+            if self.writes[k].0 as usize == id as usize {
                 return true;
             }
             k += 1;

@@ -125,7 +125,7 @@ fn what_does_not_match_is_refused() {
         ),
         ("deform.0.mesh=other.obj", &["do not match one to one; found other vertices from face 3 of"]),
         ("deform.0.mesh=gone.obj", &["gone.obj: there is no such mesh file"]),
-        ("mesh=welded.obj --set object.0.deform.0.mesh=parted.obj", &["1 vertices that do so in"]),
+        ("mesh=welded.obj --set object.0.deform.0.mesh=parted.obj", &["1 vertices that coincide with others in"]),
         ("deform.0.weight=11", &["object.0.deform.0.weight: out of range; found 11; expected -10 to 10"]),
         ("deform.0.weight=nan", &["object.0.deform.0.weight: not a finite number"]),
     ] {

@@ -176,8 +176,8 @@ pub fn gltf() -> Vec<Case> {
             accessor(&format!(r#"{good},"byteOffset":18446744073709551615"#)),
             "accessors.0: it reaches beyond its buffer view",
         ),
-        (accessor(&good.replace("5126", "5130")), "accessors.0: its type is none of glTF"),
-        (accessor(&good.replace("VEC3", "VEC9")), "accessors.0: its type is none of glTF"),
+        (accessor(&good.replace("5126", "5130")), "accessors.0: its type is not one of glTF's"),
+        (accessor(&good.replace("VEC3", "VEC9")), "accessors.0: its type is not one of glTF's"),
         (
             accessor(&format!(
                 r#"{good},"sparse":{{"count":1,"indices":{{"bufferView":0,"byteOffset":12,"componentType":5125}},"values":{{"bufferView":0}}}}"#

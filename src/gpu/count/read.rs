@@ -158,7 +158,7 @@ fn replaces(op: Op) -> bool {
     (Op::AtomicExchange..=Op::AtomicXor).contains(&op)
 }
 
-/// What a function of GLSL.std.450 costs whose result has `n` components, and whose first argument has `argument`.
+/// The cost of a function of GLSL.std.450 whose result has `n` components, and whose first argument has `argument`.
 fn extended(function: GLOp, n: u32, argument: u32) -> Cost {
     match function {
         GLOp::Sin | GLOp::Cos | GLOp::Tan | GLOp::Asin | GLOp::Acos | GLOp::Atan | GLOp::Atan2 => exps(n),

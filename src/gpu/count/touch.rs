@@ -29,7 +29,7 @@ pub(crate) fn touching(name: &str, words: &[u32]) -> Option<Touching> {
         // The variable, its only member, the element.
         if let (Some(Op::AccessChain | Op::InBoundsAccessChain), [_, _, base, _, index, ..]) =
             (instruction.op, instruction.operands)
-            && let Some(note) = module.binding(*base).and_then(|b| notes.iter().position(|(own, _)| *own == b))
+            && let Some(note) = module.binding(*base).and_then(|b| notes.iter().position(|(noted, _)| *noted == b))
         {
             counters.note(out, note as u32, *index, module.is_unsigned(*index));
         }

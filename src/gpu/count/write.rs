@@ -7,7 +7,7 @@ use crate::gpu::spirv_module::{Declared, Edited, Instruction};
 /// The binding of the counters, beyond every buffer of a frame.
 pub(crate) const BINDING: u32 = 200;
 
-/// The ids of what counting needs.
+/// The ids of the types, the variable and the constants that counting needs.
 #[derive(Clone, Copy)]
 pub(super) struct Counters {
     uint: u32,
@@ -16,7 +16,7 @@ pub(super) struct Counters {
     word_pointer: u32,
     /// The buffer.
     variable: u32,
-    /// The constant 0; `zero + n` is the constant n, up to twice the number of counters.
+    /// The constant 0; `zero + n` is the constant n, for n below twice the number of counters.
     zero: u32,
     /// The constant of all ones.
     largest: u32,

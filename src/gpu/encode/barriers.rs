@@ -8,7 +8,7 @@ use crate::gpu::call::vk_call;
 use crate::gpu::choices::Barriers;
 use crate::gpu::order::Wait;
 
-/// What a barrier between dispatches is about.
+/// The stages that a barrier between dispatches orders.
 pub(super) const STAGES: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
     vk::PipelineStageFlags::COMPUTE_SHADER.as_raw() | vk::PipelineStageFlags::DRAW_INDIRECT.as_raw(),
 );

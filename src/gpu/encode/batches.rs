@@ -65,13 +65,13 @@ impl Batches {
 
     /// What each dispatch waits for on its own queue.
     pub(super) fn waits(&self, dispatches: &[&Listed], barriers: Barriers) -> Vec<Option<Wait>> {
-        let of: Vec<usize> = self.batches.iter().flat_map(|batch| vec![batch.queue; batch.dispatches]).collect();
+        let queue_of: Vec<usize> = self.batches.iter().flat_map(|batch| vec![batch.queue; batch.dispatches]).collect();
         let mut found = vec![None; dispatches.len()];
         for queue in 0..2 {
-            let own: Vec<usize> = (0..dispatches.len()).filter(|at| of[*at] == queue).collect();
-            let list: Vec<&Listed> = own.iter().map(|at| dispatches[*at]).collect();
-            for (at, wait) in own.iter().zip(waits(&list, barriers)) {
-                found[*at] = wait.map(|wait| Wait { after: own[wait.after], ..wait });
+            let on_queue: Vec<usize> = (0..dispatches.len()).filter(|at| queue_of[*at] == queue).collect();
+            let list: Vec<&Listed> = on_queue.iter().map(|at| dispatches[*at]).collect();
+            for (at, wait) in on_queue.iter().zip(waits(&list, barriers)) {
+                found[*at] = wait.map(|wait| Wait { after: on_queue[wait.after], ..wait });
             }
         }
         found
@@ -123,7 +123,7 @@ impl Drop for Batches {
     fn drop(&mut self) {
         if self.device.finished() {
             // SAFETY: nothing is running that waits for them; null handles are allowed.
-            self.timelines.iter().for_each(|one| unsafe { self.device.raw().destroy_semaphore(*one, None) });
+            self.timelines.iter().for_each(|timeline| unsafe { self.device.raw().destroy_semaphore(*timeline, None) });
         }
     }
 }
@@ -142,8 +142,9 @@ fn steps(list: &[Entry]) -> Vec<Vec<Vec<Use>>> {
                 }
             }
             Entry::Dispatch(listed) => {
-                let own = uses(listed).map(|(buffer, reads, writes)| (buffer.as_raw(), reads, writes)).collect();
-                all.last_mut().unwrap_or(&mut Vec::new()).push(own);
+                let listed_uses =
+                    uses(listed).map(|(buffer, reads, writes)| (buffer.as_raw(), reads, writes)).collect();
+                all.last_mut().unwrap_or(&mut Vec::new()).push(listed_uses);
             }
         }
     }
@@ -173,12 +174,12 @@ fn placed(steps: &[Vec<Vec<Use>>]) -> Vec<Batch> {
         counts[queue] += 1;
         loads[queue] += step.len();
         for (buffer, reads, writes) in step.iter().flatten() {
-            let one = known.entry(*buffer).or_default();
+            let entry = known.entry(*buffer).or_default();
             if *reads {
-                one.read[queue] = counts[queue];
+                entry.read[queue] = counts[queue];
             }
             if *writes {
-                one.written[queue] = counts[queue];
+                entry.written[queue] = counts[queue];
             }
         }
         found.push(Batch { queue, after: needed[1 - queue], dispatches: step.len() });

@@ -9,7 +9,7 @@ use crate::gpu::replace::compiled;
 
 impl LogicalDevice {
     /// Whether a kernel whose groups have this many invocations in a row gets full subgroups, and may shuffle in them:
-    /// only then is a lane's number its subgroup's and its own.
+    /// only then does an invocation's number follow from its subgroup's number and its lane in that.
     pub(in super::super) fn grants_full_subgroups(&self, across: u32) -> bool {
         let (choices, adapter) = (self.choices(), self.adapter());
         let size = choices.subgroup.unwrap_or(adapter.limits.subgroup_size);

@@ -1,4 +1,4 @@
-//! A device opened once more, what that needs to be known of it, and whether it compiles ahead.
+//! Opening a device once more, the facts of the device that this needs, and whether it compiles kernels ahead.
 
 use std::time::Duration;
 

@@ -7,7 +7,7 @@ use super::LogicalDevice;
 use crate::error::Result;
 use crate::gpu::call::vk_call;
 
-/// At most so many of a kind are kept.
+/// Maximum number of objects of a kind that are kept.
 const MOST_KEPT: usize = 16;
 
 /// Objects that nothing uses at the moment.
@@ -91,7 +91,7 @@ impl LogicalDevice {
 }
 
 impl Spares {
-    /// Destroys all of them.
+    /// Destroys all spare objects.
     pub(super) fn destroy(&mut self, raw: &ash::Device) {
         // SAFETY: nothing uses them, and each is of this device.
         unsafe {

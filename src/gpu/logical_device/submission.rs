@@ -136,7 +136,7 @@ impl LogicalDevice {
     }
 }
 
-/// As Vulkan counts time.
+/// A duration in nanoseconds, as Vulkan takes it.
 fn nanoseconds(time: Duration) -> u64 {
     u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }

@@ -37,21 +37,21 @@ struct Place {
 pub(super) fn adapted(
     kernel: &str,
     words: Vec<u32>,
-    [own, right]: [&Reflected; 2],
+    [new, built_in]: [&Reflected; 2],
     given: &Given,
     fault: &dyn Fn(String) -> Input,
 ) -> Result<Vec<u32>> {
-    let is_own = |id: &u32| !right.constants.contains_key(id);
-    let last = own.constants.iter().rfind(|(id, _)| is_own(id));
+    let is_extra = |id: &u32| !built_in.constants.contains_key(id);
+    let last = new.constants.iter().rfind(|(id, _)| is_extra(id));
     if let Some((id, constant)) = last.filter(|(id, _)| **id >= BAKED_ID) {
         let found = format!("has the specialization constant {} with the id {id}", constant.name);
         return Err(fault(found).expected(format!("ids below {BAKED_ID}")).into());
     }
-    let pushed = right.push_bytes;
-    let words = if own.push_bytes > pushed {
-        let some = Some(&words).filter(|_| own.push_bytes <= MOST_PUSHED);
+    let pushed = built_in.push_bytes;
+    let words = if new.push_bytes > pushed {
+        let some = Some(&words).filter(|_| new.push_bytes <= MOST_PUSHED);
         some.and_then(|words| as_specialization(words, pushed)).ok_or_else(|| {
-            let found = format!("takes {} bytes of push constants, and the program sets {pushed}", own.push_bytes);
+            let found = format!("takes {} bytes of push constants, and the program sets {pushed}", new.push_bytes);
             let most = format!("at most {MOST_PUSHED} bytes");
             fault(found).expected(format!("members of 32-bit numbers beyond those, with constants for indices; {most}"))
         })?
@@ -59,20 +59,20 @@ pub(super) fn adapted(
         words
     };
     let mut constants = reflect(kernel, &words)?.constants;
-    constants.retain(|id, _| is_own(id));
+    constants.retain(|id, _| is_extra(id));
     let part = |(id, constant): (&u32, &SpecConstant)| (*id, constant.ty.clone());
     let mut places: Vec<Place> = Vec::new();
     for (id, constant) in constants.range(..BAKED_ID) {
         places.push(Place { name: constant.name.clone(), id: Some(*id), parts: vec![part((id, constant))] });
     }
-    for (at, (name, offset)) in own.pushed.iter().enumerate().filter(|(_, (_, offset))| *offset >= pushed) {
+    for (at, (name, offset)) in new.pushed.iter().enumerate().filter(|(_, (_, offset))| *offset >= pushed) {
         let first = |offset: u32| BAKED_ID + offset / 4;
-        let end = own.pushed.get(at + 1).map_or(u32::MAX, |(_, next)| first(*next));
+        let end = new.pushed.get(at + 1).map_or(u32::MAX, |(_, next)| first(*next));
         let parts = constants.range(first(*offset)..end).map(part).collect();
         places.push(Place { name: name.clone(), id: None, parts });
     }
-    let set_members = own.pushed.iter().filter(|(_, offset)| *offset < pushed).map(|(name, _)| name);
-    let set: Vec<&String> = right.set_by_program().map(|(_, constant)| &constant.name).chain(set_members).collect();
+    let set_members = new.pushed.iter().filter(|(_, offset)| *offset < pushed).map(|(name, _)| name);
+    let set: Vec<&String> = built_in.set_by_program().map(|(_, constant)| &constant.name).chain(set_members).collect();
     let values = given.of(&places, &set)?;
     Ok(frozen(&words, &constants.into_keys().collect(), &values))
 }
@@ -164,11 +164,11 @@ fn within(bits: u32, signed: bool) -> std::ops::RangeInclusive<i128> {
 }
 
 /// The module with plain constants in place of these specialization constants, of these values or else the defaults.
-fn frozen(words: &[u32], own: &BTreeSet<u32>, values: &BTreeMap<u32, Vec<u32>>) -> Vec<u32> {
+fn frozen(words: &[u32], spec_ids: &BTreeSet<u32>, values: &BTreeMap<u32, Vec<u32>>) -> Vec<u32> {
     let declared = Declared::of(words);
-    let number = |id: u32| declared.decoration(id, Decoration::SpecId).filter(|number| own.contains(number));
+    let number = |id: u32| declared.decoration(id, Decoration::SpecId).filter(|number| spec_ids.contains(number));
     edited(words, |out, instruction| match (instruction.op, instruction.operands) {
-        (Some(Op::Decorate), [_, what, number]) if *what == Decoration::SpecId as u32 && own.contains(number) => {}
+        (Some(Op::Decorate), [_, what, number]) if *what == Decoration::SpecId as u32 && spec_ids.contains(number) => {}
         (Some(Op::SpecConstant), [ty, id, default @ ..]) if number(*id).is_some() => {
             let value = number(*id).and_then(|number| values.get(&number)).map_or(default, Vec::as_slice);
             out.put(Op::Constant, &[&[*ty, *id], value].concat());

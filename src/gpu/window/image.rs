@@ -19,7 +19,7 @@ pub(super) const LAYER: vk::ImageSubresourceLayers = vk::ImageSubresourceLayers 
     layer_count: 1,
 };
 
-/// The same as a range.
+/// The only layer and level of an image, as a range.
 pub(super) const RANGE: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     aspect_mask: vk::ImageAspectFlags::COLOR,
     base_mip_level: 0,

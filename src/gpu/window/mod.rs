@@ -61,7 +61,7 @@ pub struct Presenter {
 }
 
 impl Presenter {
-    /// For a window, on a device of an instance that was made by [`Instance::for_windows`].
+    /// A presenter for a window, on a device of an instance that was made by [`Instance::for_windows`].
     pub fn new(device: &LogicalDevice, window: &Window, wanted: PresentMode) -> Result<Self> {
         let surface = Some(Surface::new(device, window)?);
         let painter = Painter::new(device)?;
@@ -114,7 +114,7 @@ impl Presenter {
             Turn::Image { index, suits } => {
                 self.compose(index, shown, overlay)?;
                 match (self.swapchain.as_ref().map_or(Ok(Turn::Later), |swapchain| swapchain.present(index))?, suits) {
-                    // What suits no more is shown once more, and replaced.
+                    // A swapchain that no longer suits shows this frame, and is replaced.
                     (Turn::Image { suits: true, .. }, true) => return Ok(true),
                     (Turn::Image { .. }, _) => {
                         self.swapchain = None;

@@ -74,10 +74,9 @@ impl Painter {
         // SAFETY: the command buffer is recording; pass, framebuffer and textures live until it has been waited for.
         unsafe {
             raw.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
-            let drawn = self
-                .renderer
-                .as_mut()
-                .map_or(Ok(()), |it| it.cmd_draw(commands, extent, overlay.pixels_per_point, &overlay.primitives));
+            let drawn = self.renderer.as_mut().map_or(Ok(()), |renderer| {
+                renderer.cmd_draw(commands, extent, overlay.pixels_per_point, &overlay.primitives)
+            });
             raw.cmd_end_render_pass(commands);
             drawn.map_err(|error| fault(&error))
         }

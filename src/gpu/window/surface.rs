@@ -8,7 +8,7 @@ use super::super::call::vk_call;
 use super::super::logical_device::LogicalDevice;
 use crate::error::{Error, Result};
 
-/// What a failure here was about.
+/// What the program is doing here, for errors.
 pub(super) const SHOWING: &str = "showing a picture in the window";
 
 /// How long the window system may take to return an image, ns; after that the frame is not shown.
@@ -184,7 +184,8 @@ impl Swapchain {
         Ok(Some(swapchain))
     }
 
-    /// The index of the next image, which `acquired` waits for, and whether the swapchain still suits the surface.
+    /// The index of the next image, which may be drawn to once `acquired` is signalled, and whether the swapchain still
+    /// suits the surface.
     pub(super) fn acquire(&self) -> Result<Turn> {
         vk_call("vkAcquireNextImageKHR", SHOWING, || {
             // SAFETY: the semaphore has been waited for since its last signal.

@@ -14,10 +14,9 @@ fn bound(stage: &Stage) -> Vec<BufferId> {
 
 /// Buffers that all iterations of a loop share where lists are not kept, but that several of these loops bind.
 fn strays(loops: &[&[&'static Stage]]) -> Vec<BufferId> {
-    let binds =
-        |slot: BufferId| loops.iter().filter(move |stages| stages.iter().any(|stage| bound(stage).contains(&slot)));
-    let shared = |slot: &BufferId| matches!(slot.spec().partition, Partition::Chunk | Partition::Batch) || grows(*slot);
-    BUFFER_IDS.iter().copied().filter(|slot| shared(slot) && binds(*slot).count() > 1).collect()
+    let binds = |id: BufferId| loops.iter().filter(move |stages| stages.iter().any(|stage| bound(stage).contains(&id)));
+    let shared = |id: &BufferId| matches!(id.spec().partition, Partition::Chunk | Partition::Batch) || grows(*id);
+    BUFFER_IDS.iter().copied().filter(|id| shared(id) && binds(*id).count() > 1).collect()
 }
 
 #[test]
@@ -35,17 +34,17 @@ fn what_turns_of_a_loop_share_stays_in_that_loop() {
 
 #[test]
 fn every_buffer_has_its_size_from_one_place() {
-    for &slot in BUFFER_IDS {
-        let said = STAGES.iter().filter(|stage| stage.sizes.iter().any(|(sized, _)| *sized == slot));
+    for &id in BUFFER_IDS {
+        let said = STAGES.iter().filter(|stage| stage.sizes.iter().any(|(sized, _)| *sized == id));
         let said: Vec<&str> = said.map(|stage| stage.name).collect();
-        let writers: Vec<&str> = STAGES.iter().filter(|stage| stage.writes(slot)).map(|stage| stage.name).collect();
-        let queried = QUERIES.iter().any(|stage| stage.writes(slot));
-        assert!(said.len() <= 1, "{slot:?} has its size from {said:?}");
-        assert!(said.iter().all(|stage| writers.contains(stage)), "{slot:?} is not written by {said:?}");
-        let unsized_cut = matches!(slot.spec().partition, Partition::Whole | Partition::Chunk | Partition::Batch);
-        let input = crate::pipeline::plan::Plan::is_input(slot);
+        let writers: Vec<&str> = STAGES.iter().filter(|stage| stage.writes(id)).map(|stage| stage.name).collect();
+        let queried = QUERIES.iter().any(|stage| stage.writes(id));
+        assert!(said.len() <= 1, "{id:?} has its size from {said:?}");
+        assert!(said.iter().all(|stage| writers.contains(stage)), "{id:?} is not written by {said:?}");
+        let unsized_cut = matches!(id.spec().partition, Partition::Whole | Partition::Chunk | Partition::Batch);
+        let input = crate::pipeline::plan::Plan::is_input(id);
         let needed = unsized_cut && !writers.is_empty() && !queried && !input;
-        assert!(!needed || said.len() == 1, "none of {writers:?} says how large {slot:?} is");
+        assert!(!needed || said.len() == 1, "none of {writers:?} says how large {id:?} is");
     }
 }
 

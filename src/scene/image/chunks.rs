@@ -49,7 +49,7 @@ pub(super) fn check(files: &Files, bytes: &[u8], start: usize, meta: &MetaData) 
             if !seen.insert(place) {
                 return Err(format!("a block that is there twice, {place:?}"));
             }
-            let length = usize::try_from(number(&mut rest)?).map_err(|_| "a block of less than no bytes")?;
+            let length = usize::try_from(number(&mut rest)?).map_err(|_| "a block of negative length")?;
             packed(files, header, place, rest.get(..length).ok_or(CUT)?)?;
         }
         start = end.unwrap_or(start);

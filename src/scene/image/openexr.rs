@@ -1,4 +1,5 @@
-//! Reads OpenEXR files: the layer that has colours, or else the one that is grey, and channels without conversion.
+//! Reads OpenEXR files: the colours, or else the grey, of the layer that most likely is the picture, and channels
+//! without conversion.
 
 use super::{Depths, Image, chunks, fits};
 use crate::scene::files::Files;
@@ -11,9 +12,9 @@ use std::io::Cursor;
 use std::path::Path;
 use std::result::Result;
 
-/// Layers that stand for the whole picture where there are others beside them.
+/// Names of layers that stand for the whole picture where there are others beside them.
 const WHOLE: [&str; 3] = ["combined", "beauty", "rgba"];
-/// Most channels that a message lists.
+/// Maximum number of channels or layers that a message lists.
 const LISTED: usize = 12;
 
 /// Reads the bytes of a file and checks the size of every layer by its header.
@@ -53,7 +54,8 @@ struct Shown {
 }
 
 impl Shown {
-    /// Less for what is rather meant to be seen: colours before grey, no name before names.
+    /// Less for a layer that is more likely meant to be seen: one without a name, then [`WHOLE`], then others; of each
+    /// kind colours before grey.
     fn rank(&self) -> usize {
         let last = self.name.rsplit('.').next().unwrap_or_default().to_lowercase();
         let named = match last.as_str() {
@@ -64,7 +66,8 @@ impl Shown {
         named + usize::from(self.channels.len() == 1)
     }
 
-    /// All of a file: `R`, `G` and `B`, or else `Y`, in either case, after a name and a dot if they belong to one.
+    /// All such layers of a file, by rank: `R`, `G` and `B`, or else `Y`, in either case, after a name and a dot if
+    /// they belong to one.
     fn all(meta: &MetaData) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for header in &meta.headers {
@@ -78,9 +81,10 @@ impl Shown {
             let mut above: Vec<&str> = names.iter().map(|(above, ..)| above.as_str()).collect();
             above.dedup();
             for above in above {
-                let of = |last: &str| names.iter().find(|name| name.0 == above && name.1 == last).map(|name| &name.2);
-                let colors: Option<Vec<Text>> = ["R", "G", "B"].into_iter().map(|last| of(last).cloned()).collect();
-                let grey = || of("Y").map(|name| vec![name.clone()]);
+                let named =
+                    |last: &str| names.iter().find(|name| name.0 == above && name.1 == last).map(|name| &name.2);
+                let colors: Option<Vec<Text>> = ["R", "G", "B"].into_iter().map(|last| named(last).cloned()).collect();
+                let grey = || named("Y").map(|name| vec![name.clone()]);
                 let Some(channels) = colors.or_else(grey) else { continue };
                 // The reader takes the first part that has these channels.
                 if !all.iter().any(|other| other.channels == channels) {
@@ -94,7 +98,7 @@ impl Shown {
     }
 }
 
-/// Reads colours, or grey where there are none; says in `notes` which of several layers it is.
+/// Reads the first layer by rank, in colours or grey; says in `notes` which of several layers it is.
 pub(in crate::scene) fn read_exr(files: &Files, path: &Path, most: usize, notes: &mut Vec<String>) -> Image {
     let (bytes, meta) = open(files, path, most, 12)?;
     let cube = |header: &Header| header.own_attributes.environment_map == Some(EnvironmentMap::Cube);

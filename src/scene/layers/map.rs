@@ -110,9 +110,9 @@ impl DepthMap {
             (0..places * layers).map(|k| direct(images[k % layers / 4].1[k / layers][k % layers % 4])).collect();
         let rising = depths.chunks_exact(layers).flat_map(|column| column.windows(2)).filter(|p| p[1] < p[0]).count();
         if rising > 0 {
-            let of = depths.len();
+            let total = depths.len();
             report.push(format!(
-                "layers: {rising} of {of} depths lay above the layer before and were brought down to it"
+                "layers: {rising} of {total} depths lay above the layer before and were brought down to it"
             ));
         }
         let Some(made) = Self::new(size, layers, &depths, self.wrap) else {
@@ -124,7 +124,7 @@ impl DepthMap {
     }
 }
 
-/// Reads the size and texels of a file for so many layers; `key` is the maps' key, for errors.
+/// Reads the size and texels of a file that has `layers` layers; `key` is the maps' key, for errors.
 fn read(
     files: &Files,
     path: &Path,

@@ -32,8 +32,8 @@ pub struct Layers {
     pub integration: Integration,
     /// The phase function.
     pub phase: Phase,
-    /// Transmittance through the first layer that bounds the plane fit: vertices beyond that distance are ignored.
-    /// Above 0 and below 1.
+    /// Bounds the plane fit: vertices beyond the distance at which transmittance through the first layer falls to this
+    /// are ignored. Above 0 and below 1.
     pub epsilon: f64,
     /// Whether light is multiplied by the Fresnel transmittance where it enters and leaves.
     pub fresnel: bool,
@@ -161,9 +161,10 @@ impl Layers {
             return Err(fault.key(format!("{key}.maps")).expected("texture coordinates that span an area"));
         }
         if count > 0 {
-            let of = uvs.len();
-            report
-                .push(format!("layers: {count} of {of} triangles have no area in the maps: there depths do not vary"));
+            let total = uvs.len();
+            report.push(format!(
+                "layers: {count} of {total} triangles have no area in the maps: there depths do not vary"
+            ));
         }
         Ok(())
     }
@@ -190,7 +191,7 @@ impl LayerFile {
 }
 
 impl LayersFile {
-    /// The depths: from maps, which may still have to be read, or uniform.
+    /// Depths from maps, which are read later, or uniform ones.
     fn map(&self, key: &str) -> Checked<DepthMap> {
         let at = |name: &str| format!("{key}.{name}");
         let count = self.layer.len();

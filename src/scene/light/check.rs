@@ -71,17 +71,17 @@ impl Reader<'_> {
 
     /// The direction in which a spot shines.
     fn direction(&self) -> Checked<DVec3> {
-        let one = "`direction`, or `target` and `position`";
+        let accepted = "`direction`, or `target` and `position`";
         match (self.aim()?, self.file.direction) {
             (Some(aim), None) => Ok(aim),
             (None, Some(direction)) => range::direction(&self.key("direction"), direction.0),
             (Some(_), Some(_)) => {
                 let fault = Input::new("both a direction and a target are given").key(self.key("target"));
-                Err(fault.expected(one))
+                Err(fault.expected(accepted))
             }
             (None, None) => {
                 let what = format!("missing: {} light needs it, or a target", article(self.kind));
-                Err(Input::new(what).key(self.key("direction")).expected(one))
+                Err(Input::new(what).key(self.key("direction")).expected(accepted))
             }
         }
     }
@@ -89,8 +89,8 @@ impl Reader<'_> {
     /// The direction towards a light that is infinitely far away.
     fn toward(&self) -> Checked<DVec3> {
         if self.file.position.is_some() && self.file.target.is_none() {
-            let fault = Input::new("a place of a light that is infinitely far away").key(self.key("position"));
-            return Err(fault.expected("none, or a target as well: it shines from that place to the target"));
+            let fault = Input::new("a light that is infinitely far away has no position").key(self.key("position"));
+            return Err(fault.expected("no position, or a target as well: it then shines from the one to the other"));
         }
         let direction = self.direction()?;
         Ok(if self.file.target.is_some() { -direction } else { direction })
@@ -142,7 +142,7 @@ impl Reader<'_> {
     }
 
     fn environment(&self) -> Checked<Source> {
-        let one = "exactly one of `image` and `radiance`";
+        let accepted = "exactly one of `image` and `radiance`";
         let factor = match self.file.intensity {
             Some(_) => self.amount("intensity", self.file.intensity)?,
             None => [1.0; 3],
@@ -154,11 +154,11 @@ impl Reader<'_> {
             (None, Some(_)) => Sky::constant(self.amount("radiance", self.file.radiance)?, factor),
             (Some(_), Some(_)) => {
                 let fault = Input::new("both an image and a radiance are given").key(self.key("radiance"));
-                return Err(fault.expected(one));
+                return Err(fault.expected(accepted));
             }
             (None, None) => {
                 let fault = Input::new("neither an image nor a radiance is given");
-                return Err(fault.key(self.key("image")).expected(one));
+                return Err(fault.key(self.key("image")).expected(accepted));
             }
         };
         Ok(Source::Environment { sky, occlusion: self.whole("occlusion", self.file.occlusion, 0, 0, 4096)? })
@@ -196,7 +196,7 @@ impl Light {
         Ok(Self { source, shadows: file.shadows.unwrap_or(true) })
     }
 
-    /// Checks what holds for all lights of a scene together.
+    /// Checks how many samples all lights of a scene have together, and that at most one of them is an environment.
     pub(in crate::scene) fn check_all(lights: &[Self]) -> Checked<()> {
         let samples: usize = lights.iter().map(Self::samples).sum();
         if samples > Self::MOST_SAMPLES {

@@ -1,4 +1,4 @@
-//! How a light stands to a scene's objects: not in a medium, and facing one of them.
+//! Where a light stands: outside the media of a scene's objects, and facing at least one of these.
 
 use super::super::object::Object;
 use super::super::range::Checked;
@@ -16,9 +16,9 @@ impl Light {
             !material.two_sided && (material.opaque.is_none() || material.layers.is_some())
         };
         let inside = |object: &Object| {
-            let (places, own) = (self.places(), |place: &DVec3| object.unplaced(*place));
-            let found = object.mesh.first_inside(&places.iter().map(own).collect::<Vec<_>>())?;
-            let place = places.into_iter().find(|place| own(place) == found)?;
+            let (places, local) = (self.places(), |place: &DVec3| object.unplaced(*place));
+            let found = object.mesh.first_inside(&places.iter().map(local).collect::<Vec<_>>())?;
+            let place = places.into_iter().find(|place| local(place) == found)?;
             Some((place, object.material.opaque.is_some()))
         };
         let Some((place, alone)) = objects.iter().filter(lets_in).find_map(inside) else { return Ok(()) };
@@ -30,8 +30,8 @@ impl Light {
         Err(fault.found(format!("a light at [{}, {}, {}]", place.x, place.y, place.z)).expected(expected))
     }
 
-    /// Why it lights none of the objects, if it is known to: they are all beside the cone of a spot, or behind an area,
-    /// and none deforms. And what helps.
+    /// Why the light lights none of the objects, and what helps: all are outside the cone of a spot or behind an area
+    /// light. `None` if it may light one, or if one deforms.
     pub(in crate::scene) fn misses(&self, objects: &[Object]) -> Option<&'static str> {
         if objects.iter().any(|object| !object.deforms.is_empty()) {
             return None;
@@ -45,7 +45,7 @@ impl Light {
         };
         match &self.source {
             Source::Spot { position, direction, outer, .. } => {
-                // By the ball around each triangle.
+                // A triangle stands for the ball around it.
                 let in_cone = |[a, b, c]: &[DVec3; 3]| {
                     let center = (*a + *b + *c) / 3.0;
                     let radius = [a, b, c].map(|p| p.distance(center)).into_iter().fold(0.0, f64::max);
@@ -58,8 +58,8 @@ impl Light {
             }
             Source::Area { position, edge_u, edge_v, two_sided: false, .. } => {
                 let normal = edge_u.cross(*edge_v);
-                let before = |corners: &[DVec3; 3]| corners.iter().any(|&p| (p - *position).dot(normal) > 0.0);
-                (!faces(&before)).then_some("every object is behind it: it shines to the side of edge_u x edge_v, and target = [x, y, z] turns it")
+                let in_front = |corners: &[DVec3; 3]| corners.iter().any(|&p| (p - *position).dot(normal) > 0.0);
+                (!faces(&in_front)).then_some("every object is behind it: it shines to the side of edge_u x edge_v, and target = [x, y, z] turns it")
             }
             _ => None,
         }

@@ -41,7 +41,7 @@ impl Sky {
         Self { size, pixels: Arc::new(pixels), factor: [1.0; 3], rotation: 0.0, image: None }
     }
 
-    /// Whether it has the same radiance from all directions, from no image.
+    /// Whether the radiance is the same from all directions and comes from no image.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         self.image.is_none() && self.size == [1, 1] && self.pixels[..] == [[1.0; 3]]

@@ -61,7 +61,7 @@ fn names_the_key_at_fault() {
         (format!("{spot}target = [0, 0, 1]\nouter = 9"), "light.1.target: the target is where the light is"),
         (
             "type = 'directional'\nposition = [0, 0, 1]\ndirection = [0, 0, 1]\nirradiance = 1".into(),
-            "light.1.position: a place of a light that is infinitely far away",
+            "light.1.position: a light that is infinitely far away has no position",
         ),
         (format!("{spot}direction = [0, 0, 1]"), "light.1.outer: missing: a spot light needs it"),
         (format!("{spot}direction = [0, 0, 1]\nouter = 91"), "light.1.outer: out of range; found 91; expected 1 to 90"),

@@ -12,8 +12,8 @@ use rayon::slice::ParallelSliceMut;
 /// A face with at most this area, relative to its longest edge squared, is degenerate.
 const SLIVER: f64 = 1e-7;
 
-/// The cleaned mesh, with faces in the order of the input, and for each of its vertices that of the input. Open edges
-/// are not counted yet.
+/// The cleaned mesh, with faces in the order of the input, and for each of its vertices the number of the input's
+/// vertex. Open edges are not counted yet.
 pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<u32>)> {
     let Soup { positions, triangles, input_face, uvs, unused, notes } = soup;
     report.extend(notes);

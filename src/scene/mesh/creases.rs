@@ -27,13 +27,13 @@ impl Mesh {
         let edges = Edges::of(&self.triangles);
         // Corners of one vertex, joined across the edges that are no creases.
         let mut joined: Vec<u32> = (0..edges.twin.len() as u32).collect();
-        let of = |half: u32| start(&self.triangles, half);
+        let start_of = |half: u32| start(&self.triangles, half);
         for (half, &twin) in (0..).zip(&edges.twin).filter(|&(half, &twin)| twin != NONE && half < twin) {
             if self.is_crease(half, twin) {
                 continue;
             }
             for corner in [half, after(half)] {
-                let other = if of(twin) == of(corner) { twin } else { after(twin) };
+                let other = if start_of(twin) == start_of(corner) { twin } else { after(twin) };
                 let [first, second] = [corner, other].map(|corner| root(&mut joined, corner));
                 joined[first.max(second) as usize] = first.min(second);
             }
@@ -42,7 +42,7 @@ impl Mesh {
         let mut first = vec![NONE; self.positions.len()];
         let mut vertex = vec![NONE; joined.len()];
         for corner in 0..joined.len() as u32 {
-            let (old, root) = (of(corner) as usize, root(&mut joined, corner) as usize);
+            let (old, root) = (start_of(corner) as usize, root(&mut joined, corner) as usize);
             if vertex[root] == NONE && first[old] == NONE {
                 (first[old], vertex[root]) = (corner, old as u32);
             } else if vertex[root] == NONE {

@@ -4,7 +4,7 @@ use super::Shape;
 use std::ops::RangeInclusive;
 
 impl Shape {
-    /// The details that the shape accepts.
+    /// The levels of detail that the shape accepts.
     pub fn details(self) -> RangeInclusive<u32> {
         match self {
             Self::Sphere => 0..=8,
@@ -35,7 +35,7 @@ impl Shape {
         }
     }
 
-    /// An upper bound on the number of triangles of the shape, no more than about twice it.
+    /// An upper bound on the number of triangles of the shape, at most about twice that number.
     pub fn most_triangles(self, detail: u32) -> u64 {
         let n = u64::from(detail);
         match self {

@@ -134,7 +134,7 @@ impl Mesh {
 
     /// The first of these points that lies in the medium: the winding number of the surface about it is 1, or more
     /// where parts overlap. It is 0 in a cavity, and between 0 and 1 on the surface. A mesh with an open edge has no
-    /// inside.
+    /// inside. Of very many points only every n-th is tested.
     pub fn first_inside(&self, points: &[DVec3]) -> Option<DVec3> {
         let (low, high) = self.bounds();
         let boxed = |p: &&DVec3| p.cmpge(low).all() && p.cmple(high).all();

@@ -1,4 +1,4 @@
-//! Morph targets: the positions of a mesh's vertices in two files of equal topology. Animations: what they follow.
+//! Morph targets: the positions of a mesh's vertices in two files of equal topology. Animations: their rigs and poses.
 
 use super::{Mesh, clean, import, twice};
 use crate::error::Input;
@@ -9,8 +9,8 @@ use glam::DVec3;
 use std::path::Path;
 
 impl Mesh {
-    /// What the vertices of the mesh read from `path`, a part of it, follow; its poses at rest, and at a time of the
-    /// animation of this number.
+    /// The rig of the mesh read from `path`, or of a part of it, and its poses at rest and at a time: `at` is the
+    /// number of an animation and the time in seconds.
     pub(in crate::scene) fn read_animated(
         files: &Files,
         (path, part): (&Path, Option<u32>),
@@ -23,29 +23,29 @@ impl Mesh {
         Ok((rig.of(&from), poses))
     }
 
-    /// The positions of the vertices of the mesh read from `own`, a part of a file, in that file and in `other`, whose
-    /// key for errors is `key`. Both must have the same number of vertices and the same triangles in the same order;
-    /// vertices that coincide in the first must coincide in the other.
+    /// The positions of the vertices of the mesh read from `source`, a part of a file, in that file and in `other`,
+    /// whose key for errors is `key`. Both must have the same number of vertices and the same triangles in the same
+    /// order; vertices that coincide in the first must coincide in the other.
     pub(in crate::scene) fn read_ends(
         files: &Files,
-        own: (&Path, Option<u32>),
+        source: (&Path, Option<u32>),
         other: &Path,
         key: &str,
     ) -> Checked<[Vec<DVec3>; 2]> {
-        let (own, part) = own;
-        let [rest, end] = [own, other].map(|path| import::read(files, path, part, None));
+        let (path, part) = source;
+        let [rest, end] = [path, other].map(|path| import::read(files, path, part, None));
         let (rest, end) = (rest?, end?);
         let fault = |what: &str, found: String, expected: String| {
             Err(Input::new(what).key(key).found(found).expected(expected))
         };
         let count =
             |soup: &import::Soup| format!("{} vertices in {} triangles", soup.positions.len(), soup.triangles.len());
-        let [here, there] = [own, other].map(|path| path.display().to_string());
+        let [here, there] = [path, other].map(|path| path.display().to_string());
         let what = "the meshes do not match one to one";
         if rest.positions.len() != end.positions.len() || rest.triangles.len() != end.triangles.len() {
             return fault(what, format!("{} in {there}", count(&end)), format!("{} as in {here}", count(&rest)));
         }
-        // A polygon may be cut otherwise in another place: its border tells.
+        // The same polygon may be cut in another way where its corners have moved: compare borders.
         let rims = [&rest, &end].map(|soup| twice::borders(&soup.triangles, &soup.input_face));
         if let Some(first) = (0..rest.triangles.len()).find(|&k| rims[0][k] != rims[1][k]) {
             let face = end.input_face[first] + 1;
@@ -53,14 +53,14 @@ impl Mesh {
             return fault(what, format!("other vertices from face {face} of {there} on"), expected);
         }
         let (first, _) = clean::weld(&rest.positions);
-        let parts = |&(&one, place): &(&u32, &DVec3)| end.positions[one as usize] != *place;
+        let parts = |&(&first, place): &(&u32, &DVec3)| end.positions[first as usize] != *place;
         let parted = first.iter().zip(&end.positions).filter(parts).count();
         if parted > 0 {
-            let found = format!("{parted} vertices that do so in {here} but not in {there}");
-            return fault(what, found, "that what lies in one place stays together".into());
+            let found = format!("{parted} vertices that coincide with others in {here} but not in {there}");
+            return fault(what, found, "vertices that coincide in the one to coincide in the other".into());
         }
         let places = rest.positions.clone();
-        let (_, from) = clean::clean(rest, &mut Vec::new()).map_err(|fault| fault.file(own))?;
+        let (_, from) = clean::clean(rest, &mut Vec::new()).map_err(|fault| fault.file(path))?;
         Ok([places, end.positions].map(|places| from.iter().map(|&v| places[v as usize]).collect()))
     }
 }

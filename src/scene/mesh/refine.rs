@@ -27,7 +27,7 @@ pub(in crate::scene) enum Origin {
     File,
     /// By subdividing this base so many times.
     Butterfly(Box<Mesh>, u32),
-    /// Each a weighted mean of three of the file's.
+    /// Each vertex is a weighted mean of three of the file's.
     Wrapped(Vec<Share>),
 }
 

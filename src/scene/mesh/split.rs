@@ -29,7 +29,7 @@ impl Finer {
         })
     }
 
-    /// A triangle of the old mesh as it is.
+    /// Takes over a triangle of the old mesh as it is.
     fn keep(&mut self, old: &Mesh, face: usize) {
         self.mesh.push(old.triangles[face], old.input_face[face], old.uvs.as_ref().map(|uvs| uvs[face]));
         self.mesh.splits.extend(old.splits.get(face));
@@ -38,8 +38,8 @@ impl Finer {
 }
 
 impl Mesh {
-    /// Splits some triangles in four, the middle part last, and returns for each new triangle the one that it came
-    /// from. Vertices keep their numbers.
+    /// Splits the triangles that `cut` selects in four, the middle part last, and returns for each new triangle the one
+    /// that it came from. Vertices keep their numbers.
     #[must_use]
     pub fn split(&self, cut: impl Fn(usize) -> bool) -> (Self, Vec<u32>) {
         let mut fine = Finer::of(self);
@@ -63,8 +63,9 @@ impl Mesh {
         (fine.mesh, fine.from)
     }
 
-    /// Splits some triangles in two at the middle of their longest edge, and returns for each new triangle the one that
-    /// it came from. Vertices keep their numbers; how often a triangle was split in four is forgotten.
+    /// Splits the triangles that `cut` selects in two at the middle of their longest edge, and returns for each new
+    /// triangle the one that it came from. Vertices keep their numbers; how often a triangle was split in four is
+    /// forgotten.
     #[must_use]
     pub fn bisect(&self, cut: impl Fn(usize) -> bool) -> (Self, Vec<u32>) {
         let mut fine = Finer::of(self);

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// For each triangle whether an earlier one is the same: all of its face, however it is cut, or it alone. `faces` is
-/// the face of each triangle; those of a face follow each other.
+/// For each triangle whether it repeats an earlier one: its whole face, however that is cut, or the triangle alone.
+/// `faces` is the face of each triangle; those of a face follow each other.
 pub(super) fn find(triangles: &[[u32; 3]], faces: &[u32]) -> Vec<bool> {
     let mut again = vec![false; triangles.len()];
     let mut first = 0;
@@ -27,18 +27,18 @@ pub(super) fn find(triangles: &[[u32; 3]], faces: &[u32]) -> Vec<bool> {
 
 /// Marks the triangles of polygons, each a range of them, that have the border of an earlier one.
 fn mark(triangles: &[[u32; 3]], polygons: &[Range<u32>], again: &mut [bool]) {
-    let of = |polygon: &Range<u32>| &triangles[polygon.start as usize..polygon.end as usize];
+    let triangles_of = |polygon: &Range<u32>| &triangles[polygon.start as usize..polygon.end as usize];
     // Compare borders only where their sums agree.
     let mut sums: Vec<(u64, u32)> = (0..polygons.len() as u32)
         .into_par_iter()
-        .map(|number| (sum(of(&polygons[number as usize])), number))
+        .map(|number| (sum(triangles_of(&polygons[number as usize])), number))
         .collect();
     sums.par_sort_unstable();
     for same in sums.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
         let mut known: Vec<Vec<[u32; 2]>> = Vec::new();
         for (_, number) in same {
             let polygon = &polygons[*number as usize];
-            let border = border(of(polygon));
+            let border = border(triangles_of(polygon));
             // A polygon whose edges all cancel has none to compare.
             if border.is_empty() {
                 continue;
@@ -57,15 +57,15 @@ fn edges(triangle: &[u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]].map(|[from, to]| [from.min(to), from.max(to)])
 }
 
-/// For each triangle the border of its face, with the way that it goes round as a number that equal borders share.
+/// For each triangle a number for the border of its face and the way round it; equal borders have equal numbers.
 pub(super) fn borders(triangles: &[[u32; 3]], faces: &[u32]) -> Vec<u64> {
     let mut all = Vec::with_capacity(triangles.len());
     let mut rest = triangles;
     for face in faces.chunk_by(|a, b| a == b) {
-        let (own, after) = rest.split_at(face.len());
+        let (of_face, after) = rest.split_at(face.len());
         rest = after;
         // Inner edges go both ways.
-        let ways = own.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let ways = of_face.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
         let sum = ways.map(|[from, to]| mixed([from, to]).wrapping_sub(mixed([to, from]))).fold(0, u64::wrapping_add);
         all.extend(std::iter::repeat_n(sum, face.len()));
     }
@@ -79,7 +79,7 @@ fn border(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     all.chunk_by(|a, b| a == b).filter(|edge| edge.len() % 2 == 1).map(|edge| edge[0]).collect()
 }
 
-/// A number for a way along an edge: the finalizer of MurmurHash3.
+/// A number for an edge in one direction: the finalizer of MurmurHash3.
 fn mixed([from, to]: [u32; 2]) -> u64 {
     let mut x = u64::from(from) << 32 | u64::from(to);
     for factor in [0xff51_afd7_ed55_8ccd, 0xc4ce_b9fe_1a85_ec53] {

@@ -43,8 +43,8 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// The number of connected parts of a closed surface, and of vertices at which it touches itself, once per extra
-    /// fan.
+    /// The number of connected parts of a closed surface, and of vertices at which it touches itself; a vertex counts
+    /// once per extra fan.
     pub fn parts(&self) -> (usize, usize) {
         let (mut seen, mut parts) = (vec![false; self.triangles.len()], 0);
         for first in 0..self.triangles.len() as u32 {
@@ -90,7 +90,7 @@ pub(super) fn after(half: u32) -> u32 {
     if half % 3 == 2 { half - 2 } else { half + 1 }
 }
 
-/// The half-edge before it.
+/// The half-edge of a triangle before this one.
 pub(super) fn before(half: u32) -> u32 {
     if half.is_multiple_of(3) { half + 2 } else { half - 1 }
 }

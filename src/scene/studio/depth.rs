@@ -25,24 +25,24 @@ fn thickness(object: &Object) -> f64 {
 /// The share of diffuse light that passes a sheet of this thickness: two-stream diffusion, without the boundary; that
 /// of the channel with most. And the sheet's thickness in mean free paths in the densest channel.
 fn passes(object: &Object, thickness: f64) -> (f64, f64) {
-    let one = |c: usize| {
+    let of_channel = |c: usize| {
         let (scatter, absorb) = (object.material.sigma_s_prime[c], object.material.sigma_a[c]);
         let free = thickness * (scatter + absorb);
         let x = thickness * (3.0 * absorb * (absorb + scatter)).sqrt();
         let absorbed = if x > 1e-6 { x / x.sinh() } else { 1.0 };
         (absorbed / (1.0 + 0.75 * free), free)
     };
-    (0..3).map(one).fold((0.0, 0.0), |all, channel| (f64::max(all.0, channel.0), f64::max(all.1, channel.1)))
+    (0..3).map(of_channel).fold((0.0, 0.0), |all, channel| (f64::max(all.0, channel.0), f64::max(all.1, channel.1)))
 }
 
-/// Two digits of a size.
+/// A size, rounded to two digits.
 fn rounded(size: f64) -> f64 {
     let step = 10f64.powf(size.log10().floor() - 1.0);
     format!("{:.6e}", (size / step).round() * step).parse().unwrap_or(size)
 }
 
-/// What was assumed, and a size that shows translucency better if this one does not. The objects of these numbers are
-/// `sheets`.
+/// What was assumed, and a size that shows translucency better if this one does not. `sheets` are the numbers of the
+/// objects that are sheets.
 pub(super) fn told(
     scene: &Scene,
     sheets: &[usize],

@@ -7,7 +7,7 @@ use crate::scene::range::Checked;
 use glam::DVec3;
 use toml::{Table, Value};
 
-/// What is around the object.
+/// The surroundings of the object.
 #[derive(Debug)]
 pub(super) enum Backdrop {
     /// The grey backdrop, which is the fill light too.
@@ -25,7 +25,7 @@ const SOFTBOX: f64 = 1.4;
 const AROUND: f64 = 0.25;
 
 impl Backdrop {
-    /// That of the image, if there is one; of the file's own lights, or the studio's.
+    /// The image, if there is one, or else the file's `own` lights, or else the studio's grey.
     pub fn of(image: Option<&str>, own: bool, files: &Files) -> Checked<Self> {
         Ok(match image {
             Some(image) => Self::Image(image.to_owned(), AROUND / mean(image, files)?.max(1e-12)),
@@ -47,8 +47,8 @@ impl Backdrop {
         }
     }
 
-    /// The lights, for a camera with this exposure; none if the file's stay. Nothing dims the light behind a `thin`
-    /// object.
+    /// The lights, for a camera with this exposure; none if the file's stay. The light behind a `thin` object is
+    /// weaker, since the object hardly dims it.
     pub fn lights(&self, pose: &Pose, [ground, thin]: [bool; 2], exposure: f64) -> Option<Vec<Value>> {
         // Over a table the light behind shines flatter and weaker, since it dazzles in front of the object.
         let behind = if ground { DVec3::new(1.9, 0.9, -3.2) } else { DVec3::new(1.7, 2.0, -2.4) };
@@ -73,7 +73,7 @@ impl Backdrop {
         }
     }
 
-    /// In a few words.
+    /// The lights in a few words.
     pub fn words(&self) -> &'static str {
         match self {
             Self::Grey => "key, fill and back light",

@@ -21,7 +21,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 use toml::{Table, Value};
 
-/// What to take instead of what the studio chooses.
+/// The user's choices in place of the studio's.
 #[derive(Debug, Clone, Default)]
 pub struct Wishes {
     /// The material's name among the presets.
@@ -36,14 +36,14 @@ pub struct Wishes {
     pub up: Option<Up>,
     /// Where the camera stands.
     pub view: Option<ViewFrom>,
-    /// Whether it stands on a table.
+    /// Whether the object stands on a table.
     pub ground: bool,
     /// An image of the surroundings, `.exr` or `.hdr`.
     pub environment: Option<String>,
 }
 
 impl Wishes {
-    /// Returns an error if a preset or a size is none.
+    /// Returns an error for an unknown preset, a size out of range, or a camera below the table.
     fn check(&self) -> Checked<()> {
         if let Some(name) = self.preset.as_deref().filter(|name| Preset::named(name).is_none()) {
             let names = Preset::names();
@@ -69,7 +69,7 @@ pub struct Studio {
     table: Table,
     pose: Pose,
     backdrop: Backdrop,
-    /// Whether all that is translucent has no thickness.
+    /// Whether all translucent objects are sheets without thickness.
     thin: bool,
     wishes: Wishes,
     /// What was assumed, and what shows more, one per entry.
@@ -156,9 +156,9 @@ impl Studio {
         // Sheets have no inside: light enters from both sides, unless the user says otherwise.
         let set_by_user = |number: &usize| {
             let material = format!("object.{number}.material");
-            let own =
+            let whole =
                 |set: &String| set.trim_start().strip_prefix(&material).is_some_and(|rest| !rest.starts_with('.'));
-            sets.iter().any(|set| own(set) || set.contains(&format!("{material}.two_sided")))
+            sets.iter().any(|set| whole(set) || set.contains(&format!("{material}.two_sided")))
         };
         let lit: Vec<usize> = sheets.iter().copied().filter(|number| !set_by_user(number)).collect();
         if !lit.is_empty() {
@@ -225,7 +225,7 @@ fn objects(table: &mut Table, change: impl Fn(&mut Table)) {
     all.into_iter().flatten().filter_map(Value::as_table_mut).for_each(change);
 }
 
-/// Lets light into these of so many objects from both sides, and says so.
+/// Lets light into these of `count` objects from both sides; returns a line that says so.
 fn both_sides(table: &mut Table, sheets: &[usize], count: usize, name: &str) -> String {
     let all = table.get_mut("object").and_then(Value::as_array_mut);
     for (_, object) in all.into_iter().flatten().enumerate().filter(|(number, _)| sheets.contains(number)) {
@@ -241,7 +241,7 @@ fn both_sides(table: &mut Table, sheets: &[usize], count: usize, name: &str) -> 
     format!("{name}: {which}, lit from both sides (--set object.{}.material.two_sided=false: from one)", sheets[0])
 }
 
-/// Makes translucent surfaces glossy, of the material asked for.
+/// Makes surfaces glossy that have no reflection of their own, and gives translucent objects the preset, if any.
 fn look(table: &mut Table, preset: Option<&str>) {
     objects(table, |object| {
         let Some(Value::Table(material)) = object.get_mut("material") else { return };
@@ -290,7 +290,7 @@ fn value(vector: DVec3) -> Value {
 /// The mean radiance of an image of the surroundings.
 fn mean(image: &str, files: &Files) -> Checked<f64> {
     let mut sky = Sky::of_image(image, [1.0; 3], 0.0);
-    // The scene is read again, and says what there is to say.
+    // Notes are made when the scene itself is loaded.
     sky.load(files, Path::new(""), "environment", &mut Vec::new())
         .map_err(|fault| Input { key: Some("--environment".into()), ..fault })?;
     Ok(sky.mean().element_sum() / 3.0)

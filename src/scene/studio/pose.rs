@@ -211,7 +211,7 @@ impl Pose {
         self.middle + self.direction(place) * self.radius
     }
 
-    /// Writes the camera's position and target, unless it has some.
+    /// Writes the camera's position and target, unless the file's own camera stays.
     pub fn place(&self, camera: &mut Table) {
         if let Some(both) = self.camera {
             let [position, target] = [both.0, both.1].map(|p| self.middle + self.direction(p));

@@ -13,11 +13,11 @@ const ENOUGH: f64 = 0.05;
 
 /// Numbers of the translucent objects that are sheets.
 pub(super) fn all(scene: &Scene) -> Vec<usize> {
-    // Single scattering has one side.
-    let one = |(_, object): &(usize, &super::super::Object)| {
+    // Single scattering works on one side only.
+    let is_lit_sheet = |(_, object): &(usize, &super::super::Object)| {
         object.material.opaque.is_none() && !object.material.single_scattering && is_sheet(&object.mesh)
     };
-    scene.objects.iter().enumerate().filter(one).map(|(number, _)| number).collect()
+    scene.objects.iter().enumerate().filter(is_lit_sheet).map(|(number, _)| number).collect()
 }
 
 /// Vertices that are joined; each group is known by one of them.
@@ -30,7 +30,7 @@ impl Groups {
 
     fn root(&mut self, mut vertex: u32) -> u32 {
         while self.0[vertex as usize] != vertex {
-            // Halve the way for those who ask later.
+            // Halve the way for later searches.
             self.0[vertex as usize] = self.0[self.0[vertex as usize] as usize];
             vertex = self.0[vertex as usize];
         }
@@ -70,7 +70,7 @@ fn is_sheet(mesh: &Mesh) -> bool {
         lengths[rims.root(a) as usize] += mesh.positions[a as usize].distance(mesh.positions[b as usize]);
     }
 
-    // The discs that they would go round.
+    // The areas of discs with rims as long.
     let mut gaps = vec![0.0; mesh.positions.len()];
     for (vertex, length) in (0..).zip(&lengths) {
         gaps[parts.root(vertex) as usize] += length * length / (4.0 * PI);

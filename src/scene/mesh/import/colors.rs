@@ -5,10 +5,10 @@ use super::Texels;
 use crate::error::Input;
 use crate::scene::range::Checked;
 
-/// Most triangles with colours: with four texels of each, a texture has almost as many as it may have.
+/// Maximum number of triangles with colours: four texels of each almost fill the largest texture.
 pub(super) const MOST: usize = 2_000_000;
 
-/// What is said where a file has colours that nobody asked for.
+/// The note on a file whose colours are not used.
 pub(super) const LEFT_OUT: &str = "ignored: the colours of the vertices; texture = \"mesh\" in the material shows them";
 
 /// Squares of four texels in a row.
@@ -25,14 +25,14 @@ fn size(triangles: usize) -> [usize; 2] {
 /// Texture coordinates of the corners of each of so many triangles: the middles of three of its texels.
 pub(super) fn corners(triangles: usize) -> Vec<[[f64; 2]; 3]> {
     let ([width, height], columns) = (size(triangles).map(|side| side as f64), columns(triangles));
-    let of = |triangle: usize| {
+    let places = |triangle: usize| {
         let [x, y] = [triangle % columns, triangle / columns].map(|place| 2.0 * place as f64 + 0.5);
         [[x, y], [x + 1.0, y], [x, y + 1.0]].map(|[x, y]| [x / width, 1.0 - y / height])
     };
-    (0..triangles).map(of).collect()
+    (0..triangles).map(places).collect()
 }
 
-/// The same, if there are not too many.
+/// The texture of triangles whose corners have these colours; an error if there are more than [`MOST`].
 pub(super) fn checked(colors: impl ExactSizeIterator<Item = [[f32; 3]; 3]>) -> Checked<Texels> {
     if colors.len() > MOST {
         let fault = Input::new("too many triangles for colours of their vertices").found(colors.len());
@@ -47,7 +47,7 @@ fn texture(colors: &[[[f32; 3]; 3]]) -> Texels {
     let mut texels = vec![[1.0; 3]; width * height];
     for (triangle, [a, b, c]) in colors.iter().enumerate() {
         let first = 2 * (triangle / columns) * width + 2 * (triangle % columns);
-        // Beyond the middle of the longest side: it counts for at most a quarter within the triangle.
+        // The texel beyond the middle of the longest side: its weight within the triangle is at most a quarter.
         let beyond = [0, 1, 2].map(|k| (b[k] + c[k] - a[k]).clamp(0.0, 1.0));
         (texels[first], texels[first + 1]) = (*a, *b);
         (texels[first + width], texels[first + width + 1]) = (*c, beyond);
@@ -61,7 +61,7 @@ pub(super) fn linear(x: f64) -> f32 {
     light as f32
 }
 
-/// The nearest number from 0 to 1; 0 for what is no number.
+/// The nearest number from 0 to 1; 0 for NaN.
 pub(super) fn share(x: f64) -> f32 {
     if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) as f32 }
 }

@@ -81,7 +81,7 @@ impl Format {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let start = bytes.trim_ascii_start();
         let line = |bytes: &[u8], word: &[u8]| {
-            let rest = bytes.split_at_checked(word.len()).filter(|(own, _)| own.eq_ignore_ascii_case(word));
+            let rest = bytes.split_at_checked(word.len()).filter(|(first, _)| first.eq_ignore_ascii_case(word));
             rest.is_some_and(|(_, rest)| rest.first().is_none_or(u8::is_ascii_whitespace))
         };
         // Binary STL has no mark but its length, and may begin like ascii STL.
@@ -155,8 +155,8 @@ pub(in crate::scene) fn own_texture(files: &Files, path: &Path, part: Option<u32
     texels.map_err(|fault| fault.file(path))
 }
 
-/// The scene of a mesh file alone, and what there is to say about it; `around` is that of a mesh which brings nothing
-/// but its shape along.
+/// The scene of a mesh file alone, and notes on it; `around` is the scene of a mesh that brings nothing but its shape
+/// along.
 pub(in crate::scene) fn scene_of(
     files: &Files,
     path: &Path,
@@ -194,7 +194,8 @@ pub(in crate::scene) fn animations(files: &Files, path: &Path) -> Checked<Vec<(S
     }
 }
 
-/// The mesh of a file or a part of it, what its vertices follow, and its poses at rest and at a time of an animation.
+/// The mesh of a file or a part of it, its rig, and its poses at rest and `at` a time in seconds of an animation, which
+/// is given by its number.
 pub(super) fn animated(
     files: &Files,
     path: &Path,
@@ -220,11 +221,11 @@ fn bytes_of(files: &Files, path: &Path, copies: u64) -> Checked<Vec<u8>> {
     }
 }
 
-/// The text of a file, in any encoding like ASCII, with lines that end as elsewhere, and without a mark of its order of
-/// bytes.
+/// The text of a file in any encoding that extends ASCII, without a byte order mark; carriage returns become line feeds
+/// in a file that has none.
 fn text_of(bytes: &[u8]) -> Cow<'_, str> {
     let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
-    // Line ends of long ago.
+    // Classic Mac OS ended lines by carriage returns alone.
     if text.contains('\r') && !text.contains('\n') { Cow::Owned(text.replace('\r', "\n")) } else { text }
 }
 
@@ -232,7 +233,7 @@ fn unread(error: &std::io::Error) -> Input {
     Input::new("the mesh file cannot be read").found(error)
 }
 
-/// A mesh whose format has no texture coordinates cannot have a texture.
+/// Fails if texture coordinates are wanted from a format that has none.
 fn no_coordinates(wanted: Option<Coordinates<'_>>, format: &str) -> Checked<()> {
     match wanted {
         None => Ok(()),
@@ -243,8 +244,8 @@ fn no_coordinates(wanted: Option<Coordinates<'_>>, format: &str) -> Checked<()> 
     }
 }
 
-/// Keeps the vertices that faces use, in the order of first use: `corners` are those of all faces. Returns also which
-/// they were.
+/// Keeps the vertices that faces use, in the order of first use: `corners` are those of all faces. Also returns the old
+/// number of each.
 fn compact(
     positions: &[DVec3],
     corners: impl Iterator<Item = u32>,
@@ -267,7 +268,7 @@ fn compact(
     (soup, from)
 }
 
-/// A vertex, numbered from 0, whose coordinates are finite and at most [`LARGEST`].
+/// Checks that the coordinates of a vertex, numbered from 0, are finite and at most [`LARGEST`].
 fn checked(position: DVec3, vertex: usize) -> Checked<DVec3> {
     if position.is_finite() && position.abs().max_element() <= LARGEST {
         return Ok(position);

@@ -6,14 +6,14 @@ use glam::DVec3;
 
 /// A corner turns the wrong way if the sine of its angle is below this, negated.
 const STRAIGHT: f64 = 1e-7;
-/// A polygon with more corners becomes a fan: the crate's lists hold so many.
+/// A polygon with more corners becomes a fan: the crate's lists hold no more.
 const MOST: usize = 1 << 24;
 
 /// Cuts one polygon after another.
 #[derive(Default)]
 pub(super) struct Cutter {
     ears: Earcut<f64>,
-    /// The polygon in its plane, from the corner on that is its first whatever the file's first corner is.
+    /// The polygon in its plane, beginning with the corner of the least coordinates.
     flat: Vec<[f64; 2]>,
     numbers: Vec<u32>,
     /// The corners' places.
@@ -34,7 +34,7 @@ impl Cutter {
                 self.clip(normal);
             }
         }
-        // Ear clipping finds nothing in what has no inside.
+        // Ear clipping finds no triangle in a polygon without an inside.
         if self.triangles.is_empty() {
             self.triangles.extend((2..self.places.len() as u32).map(|corner| [0, corner - 1, corner]));
         }

@@ -1,6 +1,6 @@
 //! Reads STL, ascii and binary: triangles whose corners are joined where they coincide.
 //!
-//! By hand: the crate stl_io ends at the first `endsolid`, so that it drops all but one of several solids, and its
+//! Read by hand: the crate stl_io ends at the first `endsolid`, so that it drops all but one of several solids, and its
 //! errors have no line.
 
 use super::{Coordinates, Soup, checked, no_coordinates, text_of, unread};
@@ -25,7 +25,7 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
 fn triangles(bytes: &[u8]) -> Option<(usize, usize)> {
     let count = stated(bytes)?;
     let after = bytes.len().checked_sub(count.checked_mul(TRIANGLE)?.checked_add(HEAD)?)?;
-    // Text is never so long as it would state.
+    // A text, read as a binary file, states far more triangles than it has bytes for.
     (count > 0 || after == 0).then_some((count, after))
 }
 

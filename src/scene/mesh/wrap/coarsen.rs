@@ -50,9 +50,9 @@ impl Rounds {
 
     /// The triangles that are present.
     pub fn present(&self) -> Vec<u32> {
-        let own =
+        let starting =
             |v: usize| self.round[v].iter().copied().filter(move |&t| self.triangles[t as usize][0] as usize == v);
-        (0..self.there.len()).filter(|&v| self.there[v]).flat_map(own).collect()
+        (0..self.there.len()).filter(|&v| self.there[v]).flat_map(starting).collect()
     }
 
     fn remove(&mut self, vertex: u32, into: u32) -> Removal {
@@ -151,8 +151,8 @@ pub(super) fn coarsen(rounds: &mut Rounds, places: &[DVec3]) -> Option<Vec<Remov
     let places: &[DVec3] = &places.iter().map(|p| *p - middle).collect::<Vec<_>>();
     let mut quadrics = vec![Quadric::default(); places.len()];
     for triangle in &rounds.triangles {
-        let own = Quadric::of(triangle.map(|v| places[v as usize]));
-        triangle.iter().for_each(|&v| quadrics[v as usize].add(own));
+        let quadric = Quadric::of(triangle.map(|v| places[v as usize]));
+        triangle.iter().for_each(|&v| quadrics[v as usize].add(quadric));
     }
     let mut freely = false;
     while removals.len() < last {
@@ -172,8 +172,8 @@ pub(super) fn coarsen(rounds: &mut Rounds, places: &[DVec3]) -> Option<Vec<Remov
                 queue.push(Reverse((now, vertex, into)));
             } else if linked && rounds.may_go(places, vertex, into, freely) {
                 removals.push(rounds.remove(vertex, into));
-                let own = quadrics[vertex as usize];
-                quadrics[into as usize].add(own);
+                let quadric = quadrics[vertex as usize];
+                quadrics[into as usize].add(quadric);
                 let entry = |(a, b)| Reverse((cost(rounds, places, &quadrics, a, b), a, b));
                 queue.extend(rounds.ring(into).flat_map(|[a, _]| [(a, into), (into, a)]).map(entry));
             }

@@ -43,7 +43,7 @@ pub(super) fn shrink_wrap(
     let wanted = (all >> (2 * levels)).max(BASE).min(all);
     let laid = lay(&mesh.positions, &mesh.triangles, wanted).ok_or_else(|| {
         let fault = Input::new("the mesh cannot be laid over a ball: rounding turns triangles over").key(key);
-        fault.expected("a mesh without parts that hang on next to nothing, or another hierarchy")
+        fault.expected("a mesh whose parts have no very thin necks, or another hierarchy")
     })?;
     room(files, laid.base.len(), levels)?;
     let ball = Ball { places: laid.places, triangles: &mesh.triangles, twin: Edges::of(&mesh.triangles).twin };
@@ -53,18 +53,18 @@ pub(super) fn shrink_wrap(
     let mut fine = Mesh { splits: vec![0; laid.base.len()], ..Mesh::made(Vec::new(), laid.base) };
     let mut from = Vec::new();
     for corner in fine.triangles.iter_mut().flatten() {
-        let own = *corner as usize;
-        if number[own] == u32::MAX {
-            number[own] = fine.positions.len() as u32;
-            fine.positions.push(ball.places[own]);
-            from.push(own as u32);
+        let old = *corner as usize;
+        if number[old] == u32::MAX {
+            number[old] = fine.positions.len() as u32;
+            fine.positions.push(ball.places[old]);
+            from.push(old as u32);
         }
-        *corner = number[own];
+        *corner = number[old];
     }
     // The triangle of the mesh that contains each vertex; for a vertex of the mesh, any of its own.
-    let mut own = vec![0; mesh.positions.len()];
-    (0..).zip(&mesh.triangles).for_each(|(face, triangle)| triangle.iter().for_each(|&v| own[v as usize] = face));
-    let mut lies: Vec<u32> = from.iter().map(|&v| own[v as usize]).collect();
+    let mut face_at = vec![0; mesh.positions.len()];
+    (0..).zip(&mesh.triangles).for_each(|(face, triangle)| triangle.iter().for_each(|&v| face_at[v as usize] = face));
+    let mut lies: Vec<u32> = from.iter().map(|&v| face_at[v as usize]).collect();
 
     for _ in 0..levels {
         let (mut finer, _) = fine.split(|_| true);

@@ -81,7 +81,7 @@ pub(super) fn side(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 }
 
 impl Laid {
-    /// Takes the triangles that are present as the base.
+    /// Relaxes, and takes the triangles that are present as the base.
     fn settle(&mut self) {
         self.relax(LAST);
         let base: Vec<[u32; 3]> = self.rounds.present().iter().map(|&t| self.rounds.triangles[t as usize]).collect();

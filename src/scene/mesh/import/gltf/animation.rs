@@ -9,11 +9,11 @@ use gltf::json::validation::Checked::Valid;
 
 /// Names of a file's animations, and how long they last, in seconds. One without a name is called by its number.
 pub(super) fn names(document: &Document, files: &Files) -> Checked<Vec<(String, f64)>> {
-    let of = |(number, animation): (usize, &Animation)| {
+    let lasting = |(number, animation): (usize, &Animation)| {
         let name = animation.name.clone().unwrap_or_else(|| number.to_string());
         Ok((name, duration(document, files, animation)?))
     };
-    document.root.animations.iter().enumerate().map(of).collect()
+    document.root.animations.iter().enumerate().map(lasting).collect()
 }
 
 /// The end of the last key of an animation, in seconds.
@@ -38,7 +38,7 @@ pub(super) fn pose(document: &Document, files: &Files, number: usize, time: f64,
         let Some(local) = locals.get_mut(node) else { return Err(gone("node", node)) };
         let sampler = animation.samplers.get(channel.sampler.value());
         let sampler = sampler.ok_or_else(|| gone("sampler", channel.sampler.value()))?;
-        let Valid(curve) = sampler.interpolation else { return Err(fault("an interpolation is none of glTF")) };
+        let Valid(curve) = sampler.interpolation else { return Err(fault("an interpolation is not one of glTF's")) };
         let times: Vec<f64> = document.vectors::<1>(files, sampler.input.value())?.into_iter().flatten().collect();
         let (values, width) = document.numbers(files, sampler.output.value(), &[1, 3, 4])?;
         let size = match path {
@@ -70,11 +70,11 @@ pub(super) fn pose(document: &Document, files: &Files, number: usize, time: f64,
 fn targets(document: &Document, node: usize) -> usize {
     let mesh = document.root.nodes.get(node).and_then(|node| node.mesh);
     let mesh = mesh.and_then(|mesh| document.root.meshes.get(mesh.value()));
-    let of = |mesh: &gltf::json::Mesh| mesh.primitives.iter().filter_map(|p| Some(p.targets.as_ref()?.len())).max();
-    mesh.and_then(of).unwrap_or(0)
+    let most = |mesh: &gltf::json::Mesh| mesh.primitives.iter().filter_map(|p| Some(p.targets.as_ref()?.len())).max();
+    mesh.and_then(most).unwrap_or(0)
 }
 
-/// The value at a time, `size` numbers: that of the first key before it, and of the last one after it.
+/// The value at a time, `size` numbers: before the first key that key's, after the last key that key's.
 fn sample(times: &[f64], values: &[f64], size: usize, curve: Interpolation, turns: bool, time: f64) -> Vec<f64> {
     let cubic = curve == Interpolation::CubicSpline;
     // A key of a cubic spline is a tangent, a value and another tangent.

@@ -34,7 +34,7 @@ pub(super) struct Assembly<'a> {
 
 /// A primitive among those that are joined.
 pub(super) struct Placed<'a> {
-    /// It.
+    /// The primitive in the file.
     pub primitive: &'a Primitive,
     /// The number of its first vertex.
     pub first: u32,
@@ -103,7 +103,8 @@ impl<'a> Assembly<'a> {
         Ok(whole)
     }
 
-    /// Adds a primitive whose joints are the matrices from `first` on, or which that matrix places.
+    /// Adds a primitive. If it is `skinned`, its joints are the matrices from `first` on, else matrix `first` places
+    /// it.
     fn add(
         &mut self,
         primitive: &'a Primitive,
@@ -119,12 +120,12 @@ impl<'a> Assembly<'a> {
         };
         for vertex in 0..piece.positions.len() {
             self.base.push(piece.morphed(vertex, weights));
-            let own = match skinned {
+            let influences = match skinned {
                 true => &piece.joints[vertex * piece.joint_count..][..piece.joint_count],
                 false => &[(0, 1.0)],
             };
             for k in 0..self.count {
-                let (joint, weight) = own.get(k).copied().unwrap_or_default();
+                let (joint, weight) = influences.get(k).copied().unwrap_or_default();
                 let matrix = first.saturating_add(if weight == 0.0 { 0 } else { joint });
                 if matrix as usize >= self.matrices.len() {
                     return Err(Input::new("a vertex names a joint that its skin does not have").found(joint));
@@ -162,7 +163,7 @@ impl<'a> Assembly<'a> {
         Ok(Some(self.triangles.iter().map(|corners| corners.map(|corner| all[corner as usize])).collect()))
     }
 
-    /// What these vertices follow: each piece has a row of weights.
+    /// The rig of these vertices: each piece has a row of weights.
     pub fn rig(&self, vertices: &[u32]) -> Checked<Rig> {
         let targets = self.targets();
         if targets > Rig::MOST_TARGETS || self.count > Rig::MOST_JOINTS {
@@ -174,10 +175,10 @@ impl<'a> Assembly<'a> {
         for &vertex in vertices {
             let row = self.pieces.partition_point(|placed| placed.first <= vertex).saturating_sub(1);
             let Placed { piece, first, .. } = &self.pieces[row];
-            let own = (vertex - first) as usize;
-            rig.base.push(piece.positions[own]);
+            let local = (vertex - first) as usize;
+            rig.base.push(piece.positions[local]);
             rig.influences.extend(&self.influences[vertex as usize * self.count..][..self.count]);
-            let way = |k: usize| piece.targets.get(k).and_then(|target| target.get(own)).copied().unwrap_or_default();
+            let way = |k: usize| piece.targets.get(k).and_then(|target| target.get(local)).copied().unwrap_or_default();
             rig.ways.extend((0..targets).map(way));
             rig.rows.push(row as u32);
         }
@@ -210,7 +211,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// For each joint of a skin, the matrix from the frame in which vertices are bound to the scene.
+/// For each joint of a skin, the matrix to the scene from the frame in which vertices are bound.
 fn bound(document: &Document, files: &Files, skin: usize, world: &[DMat4]) -> Checked<Vec<DMat4>> {
     let skin = document.root.skins.get(skin).ok_or_else(|| gone("skin", skin))?;
     let inverse = match skin.inverse_bind_matrices {
@@ -223,6 +224,7 @@ fn bound(document: &Document, files: &Files, skin: usize, world: &[DMat4]) -> Ch
         let fault = Input::new("a skin has fewer inverse bind matrices than joints").found(inverse.len());
         return Err(fault.expected(skin.joints.len()));
     }
-    let of = |(joint, inverse): (usize, DMat4)| Ok(*world.get(joint).ok_or_else(|| gone("node", joint))? * inverse);
-    skin.joints.iter().map(|joint| joint.value()).zip(inverse).map(of).collect()
+    let to_scene =
+        |(joint, inverse): (usize, DMat4)| Ok(*world.get(joint).ok_or_else(|| gone("node", joint))? * inverse);
+    skin.joints.iter().map(|joint| joint.value()).zip(inverse).map(to_scene).collect()
 }

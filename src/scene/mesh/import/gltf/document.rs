@@ -24,7 +24,7 @@ const BYTES: u64 = 500;
 /// Extensions whose meshes are compressed, which is not supported.
 const COMPRESSED: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Extensions of textures whose images are not read; what has no other image is shown without.
+/// Extensions of textures whose images are not read; a texture that has no other image is left out.
 const IMAGES: [&str; 4] = ["EXT_texture_avif", "EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds"];
 
 /// Extensions that are read.
@@ -43,22 +43,22 @@ const KNOWN: [&str; 8] = [
 pub(super) struct Document {
     /// The JSON.
     pub root: Root,
-    /// The bytes of each buffer; none for one without a source, such as a fallback of compression.
+    /// The bytes of each buffer; none for one without a source, such as the fallback of a compressed one.
     buffers: Vec<Option<Vec<u8>>>,
 }
 
-/// A mesh, or a part of it, that is there in compressed form only.
+/// The error for a mesh, or a part of it, that exists in compressed form only.
 fn compressed(name: &str) -> Input {
     let fault = Input::new("compressed meshes are not supported").found(name);
     fault.expected("glTF without mesh compression, such as `gltf-transform copy` writes")
 }
 
-/// An index that leads nowhere.
+/// The error for an index beyond its list.
 pub(super) fn gone(what: &str, index: usize) -> Input {
     Input::new(format!("there is no {what} {index}"))
 }
 
-/// An extension's value among the others of some object.
+/// The value of an object's extension, if it has this one.
 macro_rules! extension {
     ($object:expr, $name:expr) => {
         $object.extensions.as_ref().and_then(|all| all.others.get($name))
@@ -130,7 +130,7 @@ impl Document {
         (!names.is_empty()).then(|| format!("ignored: glTF extensions {}", names.join(", ")))
     }
 
-    /// Fails if a primitive has its numbers in compressed form only: accessors that say nothing of where they are.
+    /// Fails if a primitive has its numbers in compressed form only: its accessors do not say where they are.
     pub fn check_plain(&self, primitive: &Primitive) -> Checked<()> {
         let name = COMPRESSED.into_iter().find(|name| extension!(primitive, *name).is_some());
         let mut accessors = primitive.attributes.values().chain(&primitive.indices).map(|index| index.value());
@@ -151,7 +151,7 @@ impl Document {
             return Err(gone("buffer view", index.value()));
         };
         let Some(Some(bytes)) = self.buffers.get(view.buffer.value()) else {
-            // What is compressed may have a buffer in name only.
+            // A compressed view may name a buffer that has no bytes.
             let packed = COMPRESSED.into_iter().find(|name| extension!(view, *name).is_some());
             return packed.map_or_else(|| fault("its buffer has no bytes"), |name| Err(compressed(name)));
         };
@@ -167,10 +167,10 @@ impl Document {
     pub fn numbers(&self, files: &Files, index: usize, widths: &[usize]) -> Checked<(Vec<f64>, usize)> {
         let Some(accessor) = self.root.accessors.get(index) else { return Err(gone("accessor", index)) };
         let fault = |what: &str| Input::new(what).key(format!("accessors.{index}"));
-        let (Valid(kind), Valid(of)) = (accessor.component_type, accessor.type_) else {
-            return Err(fault("its type is none of glTF"));
+        let (Valid(kind), Valid(shape)) = (accessor.component_type, accessor.type_) else {
+            return Err(fault("its type is not one of glTF's"));
         };
-        let (kind, width) = (kind.0, of.multiplicity());
+        let (kind, width) = (kind.0, shape.multiplicity());
         if !widths.contains(&width) {
             let fault = fault("an element has not as many numbers as it should").found(width);
             return Err(fault.expected(widths.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ")));
@@ -189,7 +189,9 @@ impl Document {
             None => vec![0.0; total],
         };
         if let Some(sparse) = &accessor.sparse {
-            let Valid(of_index) = sparse.indices.component_type else { return Err(fault("its type is none of glTF")) };
+            let Valid(of_index) = sparse.indices.component_type else {
+                return Err(fault("its type is not one of glTF's"));
+            };
             let changes = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
             let (bytes, _) = self.view(sparse.indices.buffer_view)?;
             let offset = usize::try_from(sparse.indices.byte_offset.0).unwrap_or(usize::MAX);
@@ -234,7 +236,7 @@ pub(super) fn source(files: &Files, path: &Path, uri: &str) -> Checked<Vec<u8>> 
         .map_err(|error| Input::new("its file cannot be read").found(format!("{}: {error}", file.display())))
 }
 
-/// Elements from `offset` on, as many numbers each as `width` says; none if they reach beyond the bytes.
+/// `count` elements of `width` numbers each, from `offset` on; none if they reach beyond the bytes.
 fn decode(
     bytes: &[u8],
     [offset, count, width]: [usize; 3],

@@ -34,7 +34,7 @@ impl Medium {
         let color = numbers(volume, "attenuationColor", [1.0; 3]);
         let of_diffuse = numbers(diffuse, "diffuseTransmissionColorFactor", [1.0; 3]);
         let albedo = match scatter {
-            // The name of a draft.
+            // A draft of the extension has the second name.
             Some(_) => numbers(scatter, "multiscatterColor", numbers(scatter, "multiscatterColorFactor", [0.0; 3])),
             None => of_diffuse,
         };
@@ -59,7 +59,7 @@ fn single_scattering(rho: f64, g: f64) -> f64 {
     (1.0 - square) / (1.0 - g * square)
 }
 
-/// What messages call a material.
+/// The name of a material in messages.
 fn called(material: &Material) -> &str {
     material.name.as_deref().unwrap_or("without a name")
 }
@@ -89,13 +89,13 @@ pub(super) fn of_part(
         let mut note = |words: &str| notes.push(format!("material {name}: {words}"));
         let clear = ["KHR_materials_transmission", "KHR_materials_volume"];
         if medium.is_none() && clear.iter().any(|name| extension!(material, *name).is_some()) {
-            note("what is clear, without scattering, cannot be rendered; it has the material of a mesh alone");
+            note("a clear medium, without scattering, cannot be rendered; it gets the default material of a mesh");
         } else if medium.is_none() && extension!(material, "KHR_materials_diffuse_transmission").is_some() {
-            note("diffuse transmission without a volume is left out; it has the material of a mesh alone");
+            note("diffuse transmission without a volume is left out; it gets the default material of a mesh");
         }
         match material.alpha_mode {
-            Valid(AlphaMode::Mask) => note("its alpha mask is left out: what that cuts away is there"),
-            Valid(AlphaMode::Blend) => note("its opacity is left out: all of it is there"),
+            Valid(AlphaMode::Mask) => note("its alpha mask is left out: what it would cut away is shown"),
+            Valid(AlphaMode::Blend) => note("its opacity is left out: it is shown in full"),
             _ => {}
         }
     }

@@ -1,5 +1,5 @@
 //! Reads glTF 2.0 (.gltf, .glb): the triangles of all meshes in the file's scene, each where its node or its joints
-//! place it. A part is what has one material.
+//! place it. A part is all triangles of one material.
 
 use super::{Coordinates, LARGEST, MOST_UV, Soup, Texels, checked, colors, compact};
 use crate::error::Input;
@@ -59,7 +59,7 @@ pub(super) fn read(
     }
     let corners = assembly.triangles.clone().into_iter().flatten();
     let (soup, _) = compact(&positions?, corners, assembly.triangles, input_face);
-    // Once for a file whose parts are objects.
+    // Say it once for a file whose parts are objects.
     let notes = if part.is_none_or(|part| part == 0) { document.ignored() } else { None };
     Ok(Soup { uvs, notes: notes.into_iter().collect(), ..soup })
 }
@@ -73,8 +73,8 @@ pub(super) fn texture(files: &Files, path: &Path, bytes: &[u8], part: Option<u32
     tint.texels(&document, files, path, &tree, &parts)
 }
 
-/// The scene of a file alone, and what there is to say about it: `around` the mesh, with an object for each part and
-/// the file's own camera and lights where it has any.
+/// The scene of a file alone, and notes on it: `around`, with an object for each part and the file's own camera and
+/// lights where it has any.
 pub(super) fn scene(files: &Files, path: &Path, bytes: &[u8], around: Table) -> Checked<(Table, Vec<String>)> {
     let document = Document::open(files, path, bytes)?;
     scene::scene(&document, files, around)
@@ -85,7 +85,7 @@ pub(super) fn animations(files: &Files, path: &Path, bytes: &[u8]) -> Checked<Ve
     animation::names(&Document::open(files, path, bytes)?, files)
 }
 
-/// The mesh of a part, what its vertices follow, and two poses: at rest, and as animation `number` has it at a time.
+/// The mesh of a part, its rig, and two poses: at rest, and as animation `number` has it at a time in seconds.
 pub(super) fn animated(
     files: &Files,
     path: &Path,
@@ -107,7 +107,7 @@ pub(super) fn animated(
     Ok((soup, rest.rig(&from)?, [rest.pose(), now.pose()]))
 }
 
-/// The materials of what is shown, and which of them are chosen; `None` is glTF's default material.
+/// The materials of the primitives that are shown, and which of them are chosen; `None` is glTF's default material.
 struct Parts {
     /// All of them, in the order of first use.
     all: Vec<Option<usize>>,

@@ -1,5 +1,5 @@
-//! Parses the JSON of glTF. What the format allows and the crate refuses is taken out before: `extras` of any type,
-//! scenes without nodes, and channels of animations that move no node.
+//! Parses the JSON of glTF. What the format allows and the crate refuses is mended before: `extras` of any type and
+//! channels of animations that move no node are taken out, scenes without nodes get an empty list of them.
 
 use crate::error::Input;
 use crate::scene::range::Checked;
@@ -34,17 +34,17 @@ pub(super) fn parse(text: &[u8], is_file: bool) -> Checked<Root> {
     Err(if is_file && error.line() > 0 { fault.line(error.line()) } else { fault })
 }
 
-/// What is no glTF 2.0, because of what was found.
+/// The error for a file that is not glTF 2.0.
 pub(super) fn not_gltf(found: &str) -> Input {
     Input::new("the mesh file is not glTF 2.0 as it should be").found(found)
 }
 
-/// Another version of glTF.
+/// The error for another version of glTF.
 pub(super) fn another(version: &str) -> Input {
     Input::new("another version of glTF").found(version).expected("asset.version 2.0")
 }
 
-/// Takes out what the crate refuses; returns whether there was any.
+/// Mends what the crate refuses; returns whether there was any.
 fn mend(root: &mut Value) -> bool {
     let mut mended = without_extras(root);
     for scene in objects(root, "scenes").filter(|scene| !scene.contains_key("nodes")) {

@@ -17,9 +17,10 @@ pub(super) struct Piece {
     pub positions: Vec<DVec3>,
     /// Displacements of the vertices by each morph target at weight 1; empty for a target without positions.
     pub targets: Vec<Vec<DVec3>>,
-    /// Joints of each vertex, with weights whose sum is 1; `sets` of 4 a vertex. Empty if it has no joints.
+    /// Joints of each vertex, with weights whose sum is 1; `joint_count` a vertex. Empty if the primitive has no
+    /// joints.
     pub joints: Vec<(u32, f64)>,
-    /// Joints of a vertex.
+    /// The number of joints of a vertex, a multiple of 4.
     pub joint_count: usize,
     /// Triangles.
     pub triangles: Vec<[u32; 3]>,
@@ -57,7 +58,7 @@ fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
     primitive.attributes.get(&Valid(semantic)).map(|index| index.value())
 }
 
-/// A list of one entry per vertex.
+/// Checks that a list has one entry per vertex.
 fn same<T>(list: Vec<T>, vertices: usize, what: &str) -> Checked<Vec<T>> {
     if list.len() == vertices {
         return Ok(list);
@@ -75,7 +76,7 @@ fn triangles(
 ) -> Checked<Option<Vec<[u32; 3]>>> {
     let mode = match primitive.mode {
         Valid(mode) => mode,
-        _ => return Err(Input::new("a primitive's mode is none of glTF").expected("0 to 6")),
+        _ => return Err(Input::new("a primitive's mode is not one of glTF's").expected("0 to 6")),
     };
     if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
         return Ok(None);

@@ -10,12 +10,12 @@ use toml::{Table, Value};
 
 /// Lumens per watt, at 555 nm: what `KHR_lights_punctual` gives in candela and lux becomes W/sr and W/m^2.
 const LUMENS: f64 = 683.0;
-/// Most parts: as many as a scene has objects.
+/// Maximum number of parts: as many as a scene may have objects.
 const MOST: usize = 256;
-/// Millimetres of the largest extent of what has no size in the scene around it.
+/// Largest extent of a mesh to which the scene around it gives no size, millimetres.
 const USUAL: f64 = 20.0;
 
-/// From the file's metres to the scene.
+/// Maps the file's metres to scene units.
 struct Frame {
     middle: DVec3,
     scale: f64,
@@ -32,7 +32,7 @@ fn list(v: DVec3) -> Value {
     Value::Array((v + DVec3::ZERO).to_array().map(Value::Float).to_vec())
 }
 
-/// Changes the scene `around` a mesh into that of the file; returns it with what there is to say.
+/// Changes the scene `around` a mesh into that of the file; returns it with notes.
 pub(super) fn scene(document: &Document, files: &Files, mut around: Table) -> Checked<(Table, Vec<String>)> {
     let tree = Tree::of(document)?;
     let parts = Parts::of(document, &tree, None)?;
@@ -60,12 +60,12 @@ pub(super) fn scene(document: &Document, files: &Files, mut around: Table) -> Ch
     let frame = Frame { middle: (low + high) / 2.0, scale };
     let mut made = Vec::new();
     for (number, material) in parts.all.iter().enumerate() {
-        let one = Parts { all: parts.all.clone(), chosen: vec![*material] };
+        let part = Parts { all: parts.all.clone(), chosen: vec![*material] };
         let mut object = model.clone();
         let around = model.get("material").and_then(Value::as_table).cloned().unwrap_or_default();
-        object.insert("material".into(), of_part(document, &tree, &one, &around, &mut notes)?.into());
+        object.insert("material".into(), of_part(document, &tree, &part, &around, &mut notes)?.into());
         if parts.all.len() > 1 {
-            let (low, high) = Assembly::of(document, files, &tree, &locals, &one.chosen)?.bounds();
+            let (low, high) = Assembly::of(document, files, &tree, &locals, &part.chosen)?.bounds();
             object.insert("part".into(), Value::Integer(number as i64));
             object.insert("size".into(), ((high - low).max_element() * scale).into());
             object.insert("position".into(), frame.place((low + high) / 2.0));
@@ -85,9 +85,9 @@ pub(super) fn scene(document: &Document, files: &Files, mut around: Table) -> Ch
     // Camera and lights.
     let exposed = lights(document, &tree, &world, &frame, &mut around, &mut notes)?;
     if let Some(mut camera) = camera(document, &tree, &world, &frame, &mut notes)? {
-        if let Some(Value::Table(own)) = around.remove("camera") {
+        if let Some(Value::Table(given)) = around.remove("camera") {
             camera.extend(
-                own.into_iter().filter(|(name, _)| !["position", "target", "up", "fov"].contains(&name.as_str())),
+                given.into_iter().filter(|(name, _)| !["position", "target", "up", "fov"].contains(&name.as_str())),
             );
         }
         around.insert("camera".into(), camera.into());
@@ -101,7 +101,7 @@ pub(super) fn scene(document: &Document, files: &Files, mut around: Table) -> Ch
     Ok((around, notes))
 }
 
-/// Replaces the lights by the file's, if it has any.
+/// Replaces the lights by the file's; returns whether it has any.
 fn lights(
     document: &Document,
     tree: &Tree,
@@ -159,7 +159,7 @@ fn light(light: &Json, world: DMat4, frame: &Frame) -> Checked<Table> {
             made.insert("inner".into(), inner.into());
         }
         other => {
-            let fault = Input::new("a light is of no kind of KHR_lights_punctual").found(other);
+            let fault = Input::new("the type of a light is not one of KHR_lights_punctual").found(other);
             return Err(fault.expected("directional, point or spot"));
         }
     }
@@ -174,8 +174,8 @@ fn camera(
     frame: &Frame,
     notes: &mut Vec<String>,
 ) -> Checked<Option<Table>> {
-    let of = |node: usize| document.root.nodes[node].camera.map(|camera| (node, camera.value()));
-    let all: Vec<(usize, usize)> = tree.shown().filter_map(of).collect();
+    let camera_of = |node: usize| document.root.nodes[node].camera.map(|camera| (node, camera.value()));
+    let all: Vec<(usize, usize)> = tree.shown().filter_map(camera_of).collect();
     let Some(&(node, index)) = all.first() else { return Ok(None) };
     let camera = document.root.cameras.get(index).ok_or_else(|| gone("camera", index))?;
     let Some(perspective) = camera.perspective.as_ref().filter(|_| matches!(camera.type_, Valid(_))) else {

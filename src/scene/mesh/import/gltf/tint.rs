@@ -44,7 +44,7 @@ impl<'a> Tint<'a> {
         Ok(if is_colored(document, tree, material)? { Self::Colors(factor) } else { Self::Plain(factor) })
     }
 
-    /// What of a material's colours this leaves out.
+    /// Words for the part of a material's colours that this tint leaves out, if any.
     pub fn left_out(&self, document: &Document, tree: &Tree, material: usize) -> Checked<Option<&'static str>> {
         let pbr = &document.root.materials[material].pbr_metallic_roughness;
         Ok(match self {
@@ -63,7 +63,7 @@ impl<'a> Tint<'a> {
         !matches!(self, Self::Plain([1.0, 1.0, 1.0]))
     }
 
-    /// The words for how the texture continues beyond its edges, along u and along v.
+    /// The scene's words for how the texture continues beyond its edges, along u and along v.
     pub fn wrap(&self, document: &Document) -> [&'static str; 2] {
         let sampler = match self {
             Self::Image(info, _) => document.root.textures.get(info.index.value()).and_then(|texture| texture.sampler),
@@ -108,11 +108,11 @@ impl<'a> Tint<'a> {
                 let assembly = Assembly::of(document, files, tree, &locals, &parts.chosen)?;
                 let mut all = vec![[1.0; 3]; assembly.base.len()];
                 for Placed { primitive, first, .. } in &assembly.pieces {
-                    let own = primitive::colors(document, files, primitive)?.unwrap_or_default();
-                    all.iter_mut().skip(*first as usize).zip(own).for_each(|(place, color)| *place = color);
+                    let colors_of_piece = primitive::colors(document, files, primitive)?.unwrap_or_default();
+                    all.iter_mut().skip(*first as usize).zip(colors_of_piece).for_each(|(place, color)| *place = color);
                 }
-                let of = |corners: &[u32; 3]| corners.map(|corner| times(all[corner as usize], factor));
-                colors::checked(assembly.triangles.iter().map(of))
+                let tinted = |corners: &[u32; 3]| corners.map(|corner| times(all[corner as usize], factor));
+                colors::checked(assembly.triangles.iter().map(tinted))
             }
             Self::Image(info, factor) => {
                 let index = info.index.value();
@@ -128,11 +128,11 @@ impl<'a> Tint<'a> {
     }
 }
 
-/// Whether vertices of what has this material have colours.
+/// Whether the vertices of a primitive with this material have colours.
 fn is_colored(document: &Document, tree: &Tree, material: Option<usize>) -> Checked<bool> {
     Ok(super::assembly::primitives(document, tree)?.iter().any(|(_, primitive)| {
-        let own = primitive.material.map(|material| material.value()) == material;
-        own && primitive.attributes.contains_key(&Valid(Semantic::Colors(0)))
+        let made_of_it = primitive.material.map(|material| material.value()) == material;
+        made_of_it && primitive.attributes.contains_key(&Valid(Semantic::Colors(0)))
     }))
 }
 

@@ -31,7 +31,8 @@ pub(super) struct Local {
 }
 
 impl Tree {
-    /// The tree of a file's nodes; the file's scene, or its first one with nodes, or else all nodes are shown.
+    /// The tree of a file's nodes. The file's scene is shown, or else its first one with nodes; without scenes, all
+    /// nodes.
     pub fn of(document: &Document) -> Checked<Self> {
         let nodes = &document.root.nodes;
         let mut parent = vec![None; nodes.len()];
@@ -96,7 +97,7 @@ impl Local {
     /// The transforms of all nodes as the file has them, at rest.
     pub fn rest(document: &Document) -> Vec<Self> {
         let three = |given: Option<[f32; 3]>, usual: DVec3| given.map_or(usual, |v| DVec3::from(v.map(f64::from)));
-        let of = |node: &gltf::json::Node| Self {
+        let local = |node: &gltf::json::Node| Self {
             translation: three(node.translation, DVec3::ZERO),
             rotation: node.rotation.map_or(DQuat::IDENTITY, |q| quaternion(q.0.map(f64::from))),
             scale: three(node.scale, DVec3::ONE),
@@ -107,16 +108,16 @@ impl Local {
                 weights.into_iter().flatten().map(|&weight| f64::from(weight)).collect()
             },
         };
-        document.root.nodes.iter().map(of).collect()
+        document.root.nodes.iter().map(local).collect()
     }
 
     fn matrix(&self) -> DMat4 {
-        let own = || DMat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation);
-        self.matrix.unwrap_or_else(own)
+        let composed = || DMat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation);
+        self.matrix.unwrap_or_else(composed)
     }
 }
 
-/// A quaternion x y z w of length 1; that of no rotation if it has no length.
+/// The quaternion x y z w with length 1; the identity if its length is 0 or not finite.
 pub(super) fn quaternion(values: [f64; 4]) -> DQuat {
     let q = DQuat::from_array(values);
     let length = q.length();

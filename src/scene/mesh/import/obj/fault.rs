@@ -41,8 +41,8 @@ fn in_vertex(words: &[&str]) -> Option<Input> {
         }
     }
     let weight = values.get(3).copied().unwrap_or(1.0);
-    let finite = |value: &&f64| !(**value / weight).is_finite();
-    if let Some(value) = values.iter().take(3).find(finite) {
+    let not_finite = |value: &&f64| !(**value / weight).is_finite();
+    if let Some(value) = values.iter().take(3).find(not_finite) {
         let found = if weight == 0.0 { "a weight of 0".to_owned() } else { value.to_string() };
         return Some(Input::new("a coordinate is not finite").found(found).expected(expected));
     }

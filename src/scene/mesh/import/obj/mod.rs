@@ -29,13 +29,13 @@ pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>)
     // Names and comments may be in any encoding; what matters is ASCII.
     let text = text_that_fits(files, bytes)?;
     let Parsed { mut soup, cuts, .. } = parse(&text, false)?;
-    let own = wanted.is_some_and(|wanted| wanted.own);
-    if is_colored(&text) && !own {
+    let colored = wanted.is_some_and(|wanted| wanted.own);
+    if is_colored(&text) && !colored {
         soup.notes.push(colors::LEFT_OUT.to_owned());
     }
     soup.uvs = match wanted {
         None => None,
-        Some(_) if own => Some(colors::corners(soup.triangles.len())),
+        Some(_) if colored => Some(colors::corners(soup.triangles.len())),
         Some(wanted) => {
             let cuts = soup.input_face.iter().copied().zip(cuts);
             Some(uv::corners(&text, cuts).map_err(|fault| fault.key(wanted.key))?)
@@ -55,8 +55,8 @@ pub(super) fn texture(files: &Files, bytes: &[u8]) -> Checked<Texels> {
     let Parsed { soup, colors: all, .. } = parse(&text, true)?;
     let whole = all.iter().flatten().any(|x| *x > 1.0);
     let light = |x: f64| if whole { colors::linear(f64::from(colors::share(x / 255.0))) } else { colors::share(x) };
-    let of = |corners: &[u32; 3]| corners.map(|corner| all[corner as usize].map(light));
-    colors::checked(soup.triangles.iter().map(of))
+    let colors_at = |corners: &[u32; 3]| corners.map(|corner| all[corner as usize].map(light));
+    colors::checked(soup.triangles.iter().map(colors_at))
 }
 
 /// Whether the first vertex has a colour.
@@ -72,7 +72,7 @@ fn color<'a>(numbers: &[&'a str]) -> Option<[&'a str; 3]> {
     color.iter().all(|word| word.parse().is_ok_and(|x: f64| x.is_finite())).then_some(color)
 }
 
-/// The text of a file; what is made of it fits the memory.
+/// The text of a file, once it is checked that parsing it fits the memory.
 fn text_that_fits<'a>(files: &Files, bytes: &'a [u8]) -> Checked<Cow<'a, str>> {
     let need = |bytes: u64| files.need(bytes).map_err(|error| super::unread(&error));
     need(COPIES * bytes.len() as u64)?;
@@ -86,11 +86,11 @@ fn text(files: &Files, path: &Path) -> Checked<String> {
     Ok(text_of(&bytes_of(files, path, 1 + COPIES)?).into_owned())
 }
 
-/// What a file has.
+/// The parsed contents of a file.
 #[derive(Default)]
 struct Parsed {
     soup: Soup,
-    /// The corners of its face that each triangle has.
+    /// For each triangle, which corners of its face it has.
     cuts: Vec<[u32; 3]>,
     /// Colours of the vertices, if they were asked for.
     colors: Vec<[f64; 3]>,
@@ -132,7 +132,7 @@ fn join(models: &[tobj::Model], vertices: usize) -> Option<Parsed> {
         }
         colors.extend(mesh.vertex_color.as_chunks().0);
 
-        // Without arities all are triangles.
+        // Without arities all faces are triangles.
         let mut rest = mesh.indices.as_slice();
         let mut arities = mesh.face_arities.iter();
         while !rest.is_empty() || arities.len() > 0 {
@@ -169,9 +169,9 @@ fn geometry(text: &str, colored: bool) -> (String, usize) {
                 let numbers: Vec<&str> = words.collect();
                 let taken = if numbers.len() == 4 { 4 } else { 3 };
                 kept.push('v');
-                let own = colored.then(|| color(&numbers).unwrap_or(["1"; 3]));
+                let rgb = colored.then(|| color(&numbers).unwrap_or(["1"; 3]));
                 let place = numbers.iter().take(if colored { 3 } else { taken });
-                place.chain(own.iter().flatten()).for_each(|word| push(&mut kept, word));
+                place.chain(rgb.iter().flatten()).for_each(|word| push(&mut kept, word));
                 vertices += 1;
             }
             Some("f") => {

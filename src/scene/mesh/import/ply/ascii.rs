@@ -1,21 +1,21 @@
 //! The elements of an ascii file, one a line.
 //!
-//! By hand: the crate ply-rs-bw knows no `.5` or `5.`, and reads what nobody asks for, such as normals that are no
-//! numbers.
+//! Read by hand: the crate ply-rs-bw knows no `.5` or `5.`, and refuses a file for properties that are ignored, such as
+//! normals that are not numbers.
 
 use crate::error::Input;
 use crate::scene::range::Checked;
 use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 use std::str::FromStr;
 
-/// Most characters of a line that a message shows.
+/// Maximum number of characters of a line that a message shows.
 const SHOWN: usize = 60;
 
 /// Lines that are not blank, with their numbers.
 pub(super) struct Lines<'a>(Box<dyn Iterator<Item = (usize, &'a str)> + 'a>);
 
 impl<'a> Lines<'a> {
-    /// The lines of a text that follows so many others.
+    /// The lines of a text that `before` others precede.
     pub fn of(text: &'a str, before: usize) -> Self {
         let lines = text.lines().enumerate().map(move |(number, line)| (before + number + 1, line.trim()));
         Self(Box::new(lines.filter(|(_, line)| !line.is_empty())))
@@ -52,14 +52,14 @@ fn element<E: PropertyAccess>(line: &str, kind: &ElementDef) -> Option<E> {
             PropertyType::Scalar(kind) => scalar(kind, words.next()?),
             PropertyType::List(_, kind) => {
                 let count = whole::<usize>(words.next()?)?;
-                let own: Vec<&str> = words.by_ref().take(count).collect();
-                if own.len() < count {
+                let entries: Vec<&str> = words.by_ref().take(count).collect();
+                if entries.len() < count {
                     return None;
                 }
-                list(kind, &own)
+                list(kind, &entries)
             }
         };
-        // What nobody asks for need not be a number.
+        // The value of a property that is ignored need not be a number.
         let Some(value) = value else {
             match E::new().set_property(name, Property::Double(0.0)) {
                 PropertyAccessResult::Ignored => continue,
@@ -75,12 +75,12 @@ fn element<E: PropertyAccess>(line: &str, kind: &ElementDef) -> Option<E> {
 
 /// A number, as `strtod` takes it but for hexadecimal ones.
 fn number<T: FromStr + PartialEq>(word: &str) -> Option<T> {
-    // What is no number is not equal to itself.
+    // NaN is not equal to itself.
     #[allow(clippy::eq_op)]
     word.parse().ok().filter(|x| x == x)
 }
 
-/// A whole number, which may be written as any other.
+/// A whole number, which may be written with a fraction or an exponent.
 fn whole<T: FromStr + PartialEq + TryFrom<i64>>(word: &str) -> Option<T> {
     let written = || number::<f64>(word).filter(|x| x.fract() == 0.0 && x.abs() < 1e15);
     number(word).or_else(|| T::try_from(written()? as i64).ok())
@@ -100,8 +100,8 @@ fn scalar(kind: &ScalarType, word: &str) -> Option<Property> {
 }
 
 fn list(kind: &ScalarType, words: &[&str]) -> Option<Property> {
-    fn all<T>(words: &[&str], of: impl Fn(&str) -> Option<T>) -> Option<Vec<T>> {
-        words.iter().map(|word| of(word)).collect()
+    fn all<T>(words: &[&str], parse: impl Fn(&str) -> Option<T>) -> Option<Vec<T>> {
+        words.iter().map(|word| parse(word)).collect()
     }
     Some(match kind {
         ScalarType::Char => Property::ListChar(all(words, whole)?),

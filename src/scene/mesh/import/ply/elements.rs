@@ -17,7 +17,7 @@ pub(super) struct Vertex {
 /// An element `face`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Face {
-    /// Its corners, as numbers of vertices; `u32::MAX` for what is no number of a vertex.
+    /// Its corners, as numbers of vertices; `u32::MAX` for a number that no vertex can have.
     pub corners: Vec<u32>,
     /// Texture coordinates of its corners, two numbers each; empty if it has none.
     pub uvs: Vec<f64>,
@@ -95,7 +95,7 @@ fn number(property: &Property) -> Option<f64> {
     })
 }
 
-/// Linear light of a colour: whole numbers are sRGB, others linear.
+/// Linear light of a colour: unsigned numbers of 8 and 16 bits are sRGB, floats linear; none for other types.
 fn color(property: &Property) -> Option<f32> {
     Some(match property {
         Property::UChar(x) => linear(f64::from(*x) / 255.0),

@@ -127,8 +127,8 @@ impl Ply {
         Ok(cut)
     }
 
-    /// Texture coordinates of the corners of all triangles: those of faces, or else those of vertices. Each triangle
-    /// has these `corners` of that face.
+    /// Texture coordinates of the corners of all triangles: those of faces, or else those of vertices. Triangle
+    /// k has the corners `corners[k]` of face `input_face[k]`.
     fn uvs(&self, key: &str, input_face: &[u32], corners: &[[u32; 3]]) -> Checked<Vec<[[f64; 2]; 3]>> {
         let of_faces = self.faces.iter().any(|face| !face.uvs.is_empty());
         let mut all = Vec::with_capacity(self.faces.len());
@@ -146,8 +146,8 @@ impl Ply {
             }
             all.push(places);
         }
-        let of = |(face, corners): (&u32, &[u32; 3])| corners.map(|corner| all[*face as usize][corner as usize]);
-        Ok(input_face.iter().zip(corners).map(of).collect())
+        let places = |(face, corners): (&u32, &[u32; 3])| corners.map(|corner| all[*face as usize][corner as usize]);
+        Ok(input_face.iter().zip(corners).map(places).collect())
     }
 }
 
@@ -163,8 +163,8 @@ fn halves(bytes: &[u8]) -> (Cow<'_, str>, &[u8]) {
     let (head, rest) = bytes.split_at(end.map_or(bytes.len(), |end| end + 11));
     // In a file whose lines end in carriage returns alone, a line feed after the header may be the first number.
     let alone = !head.contains(&b'\n');
-    let own = rest.iter().position(|byte| *byte == if alone { b'\r' } else { b'\n' });
-    (text_of(head), own.map_or(&[], |own| &rest[own + 1..]))
+    let line_end = rest.iter().position(|byte| *byte == if alone { b'\r' } else { b'\n' });
+    (text_of(head), line_end.map_or(&[], |line_end| &rest[line_end + 1..]))
 }
 
 fn elements<E: PropertyAccess>(
@@ -185,12 +185,12 @@ fn fits(files: &Files, header: &Header, bytes: usize) -> Checked<()> {
     let mut least = 0usize;
     for element in header.elements.values() {
         // Characters of an ascii number and what follows it, or bytes.
-        let of = |kind: &PropertyType| match kind {
+        let least_size = |kind: &PropertyType| match kind {
             _ if !binary => 2,
             PropertyType::Scalar(kind) | PropertyType::List(kind, _) => width(kind),
         };
-        let one: usize = element.properties.values().map(|property| of(&property.data_type)).sum();
-        least = least.saturating_add(one.max(1).saturating_mul(element.count));
+        let size: usize = element.properties.values().map(|property| least_size(&property.data_type)).sum();
+        least = least.saturating_add(size.max(1).saturating_mul(element.count));
     }
     // The last line may end without a break.
     if least > bytes.saturating_add(1) {
@@ -198,7 +198,7 @@ fn fits(files: &Files, header: &Header, bytes: usize) -> Checked<()> {
         return Err(fault.expected(format!("at least {least} bytes")));
     }
     let counts = header.elements.values().map(|element| element.count as u64).sum::<u64>();
-    // A list may have as many entries as the rest of the file has bytes.
+    // Lists may fill the file: with numbers of four bytes, or of a character and a space.
     let entries = if binary { bytes as u64 / 4 } else { bytes as u64 / 2 };
     files.need(counts.saturating_mul(BYTES) + entries * 16 + bytes as u64).map_err(|error| unread(&error))
 }

@@ -147,13 +147,18 @@ fn what_a_picture_leaves_out_is_said() {
         (base, "", image(r#""source":0"#, r#""uri":"a.WEBP""#), Some(neither)),
         (base, "", image(r#""source":0"#, r#""uri":"data:image/webp;base64,AAAA""#), Some(neither)),
         (base, "", image(&format!(r#""source":0,{webp}"#), r#""uri":"a.jpg""#), None),
-        (r#""alphaMode":"MASK""#, "", String::new(), Some("its alpha mask is left out: what that cuts away is there")),
-        (r#""alphaMode":"BLEND""#, "", String::new(), Some("its opacity is left out: all of it is there")),
+        (
+            r#""alphaMode":"MASK""#,
+            "",
+            String::new(),
+            Some("its alpha mask is left out: what it would cut away is shown"),
+        ),
+        (r#""alphaMode":"BLEND""#, "", String::new(), Some("its opacity is left out: it is shown in full")),
         (
             r#""extensions":{"KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":1}}"#,
             "",
             String::new(),
-            Some("diffuse transmission without a volume is left out; it has the material of a mesh alone"),
+            Some("diffuse transmission without a volume is left out; it gets the default material of a mesh"),
         ),
     ] {
         let (made, notes) = look(material, attributes, &rest);
