@@ -13,6 +13,7 @@ use crate::state::{Width, dispatches};
 /// The stages of a device's replaced kernels.
 pub fn stages(device: &Device) -> Vec<String> {
     let mut stages: Vec<String> = device.replaced().filter_map(|name| Some(owner(name)?.name.to_string())).collect();
+    stages.sort();
     stages.dedup();
     stages
 }

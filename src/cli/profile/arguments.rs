@@ -18,8 +18,6 @@ use milkglass::measure::rounds::{ROUNDS, Samples};
 
 /// Frames of a profile by default.
 const FRAMES: u32 = 11;
-/// Frames by default where they are compared with an earlier run.
-const COMPARED: u32 = 41;
 
 /// Arguments of `profile`.
 #[derive(Args)]
@@ -76,13 +74,7 @@ impl Arguments {
 
     /// What to measure and for how long.
     pub(super) fn settings(&self) -> Settings {
-        let usual = if self.several() {
-            ROUNDS as u32
-        } else if self.compare.is_empty() {
-            FRAMES
-        } else {
-            COMPARED
-        };
+        let usual = if self.several() { ROUNDS as u32 } else { FRAMES };
         let TimingArguments { until, seed, .. } = self.timing;
         let frames = self.timing.frames.unwrap_or(if until.is_some() { MOST } else { usual });
         let budget = self.timing.budget.or(until.map(|_| 60.0));
