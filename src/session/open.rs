@@ -50,8 +50,7 @@ impl Session {
         let octree = (options.transport == ShadingMethod::Octree).then(|| OctreeTransport::new(&scene.transport));
         let octree = octree.transpose()?;
         device.map_or(Ok(()), |_| holds(scene))?;
-        let units = Units::of(&scene.objects);
-        reach(&scene.objects, units)?;
+        reach(&scene.objects, Units::of(&scene.objects))?;
         // Code below sees only the subdivided scene.
         let (asked, scene, parts) = cut(scene, options)?;
         let choice =
@@ -74,7 +73,6 @@ impl Session {
         };
         let (retries, relinks) = before.as_deref().map_or((0, 0), |before| (before.retries, before.relinks));
         let held = before.as_deref().and_then(|before| before.held);
-        let fixed = Fixed { asked, options, room, receivers };
         let mut session = Self {
             prepared,
             plan,
@@ -98,7 +96,7 @@ impl Session {
             walk: WalkTransport::default(),
             solves: Vec::new(),
             choice,
-            fixed,
+            fixed: Fixed { asked, options, room, receivers },
         };
         let sized = session.fits().and_then(|()| session.resize());
         match (session.unless_too_much(sized), before) {
