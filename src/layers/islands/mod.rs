@@ -183,12 +183,12 @@ fn fill(
     (size, corners): ([u32; 2], &[[u32; 2]]),
 ) -> Vec<[f32; 4]> {
     let (wrap, runs) = (map.wrap.code(), runs(map));
-    let own = |x: i64, y: i64, run: usize| {
+    let mapped = |x: i64, y: i64, run: usize| {
         let row = texel(y, map.size[1], wrap) as usize + run * map.size[1] as usize;
         map.texels[row * map.size[0] as usize + texel(x, map.size[0], wrap) as usize]
     };
     let mut all = vec![[0.0; 4]; size[0] as usize * size[1] as usize * runs];
-    for (number, part) in margin::fill(faces, sheets, of, runs, &own).into_iter().enumerate() {
+    for (number, part) in margin::fill(faces, sheets, of, runs, &mapped).into_iter().enumerate() {
         let (width, height) = sheets[number].size();
         for (row, line) in part.chunks_exact(width).enumerate() {
             let (run, y) = (row / height, row % height + corners[number][1] as usize);
