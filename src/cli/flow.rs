@@ -128,6 +128,92 @@ fn lines(rows: &[Row]) -> Vec<Line> {
     lines
 }
 
+/// The colour of what the frame leaves out.
+const LEFT_OUT: &str = "#b0b0b0";
+
+/// The vertical middle of a row, pixels.
+fn middle(row: usize) -> usize {
+    (HEAD + row) * ROW + ROW / 2
+}
+
+/// A drawing in the making: SVG, an element a line.
+struct Drawing(String);
+
+impl Drawing {
+    /// Adds an element.
+    fn put(&mut self, text: std::fmt::Arguments<'_>) {
+        let _ = self.0.write_fmt(text);
+        self.0.push('\n');
+    }
+
+    /// Writes the name of a stage; a browser shows what it does to a pointer above it.
+    fn stage(&mut self, row: usize, Row { name, about, uses, runs }: &Row) {
+        let y = middle(row) + 4;
+        let color = if *runs { "black" } else { LEFT_OUT };
+        let list = |wanted: &[Use]| {
+            let names = uses.iter().filter(|(_, kind)| wanted.contains(kind)).map(|(buffer, _)| buffer.spec().name);
+            names.collect::<Vec<_>>().join(", ")
+        };
+        let (reads, writes) = (list(&[Use::Read, Use::Update]), list(&[Use::Write, Use::Update]));
+        self.put(format_args!(
+            "<text x=\"{NAMES}\" y=\"{y}\" fill=\"{color}\">{name}<title>{about}\nreads {reads}\nwrites {writes}\
+             </title></text>"
+        ));
+    }
+
+    /// Draws a bracket around the rows of a loop.
+    fn bracket(&mut self, (name, first, last): Loop) {
+        let (top, bottom, y) = (middle(first) - 6, middle(last) + 6, middle(first) + 4);
+        self.put(format_args!("<text x=\"10\" y=\"{y}\" fill=\"#666\" font-size=\"10\">{name}</text>"));
+        self.put(format_args!("<path d=\"M{0} {top}h-5V{bottom}h5\" fill=\"none\" stroke=\"#666\"/>", NAMES - 6));
+    }
+
+    /// Draws the line of a buffer, its name along it, and a mark for each use.
+    fn line(&mut self, rows: &[Row], Line { buffer, lane, first, last }: &Line) {
+        let x = LANES + lane * LANE;
+        let used = |row: &&Row| row.uses.iter().any(|(known, _)| known == buffer);
+        let writes = |row: &Row| row.uses.iter().any(|(known, kind)| known == buffer && *kind != Use::Read);
+        let color = match () {
+            () if !rows.iter().filter(used).any(|row| row.runs) => LEFT_OUT,
+            () if !rows.iter().any(writes) => "#1f5fa8",
+            () => "black",
+        };
+        let (top, bottom, name) = (middle(*first), middle(*last), buffer.spec().name);
+        self.put(format_args!("<path d=\"M{x} {top}V{bottom}\" stroke=\"{color}\"/>"));
+        self.put(format_args!(
+            "<text transform=\"translate({} {}) rotate(90)\" fill=\"{color}\" font-size=\"9\">{name}</text>",
+            x + 4,
+            top + 6
+        ));
+        for (k, row) in rows.iter().enumerate() {
+            for (_, kind) in row.uses.iter().filter(|(known, _)| known == buffer) {
+                self.mark([x, middle(k)], *kind, if row.runs { color } else { LEFT_OUT });
+            }
+        }
+    }
+
+    /// Marks a use of a buffer.
+    fn mark(&mut self, [x, y]: [usize; 2], kind: Use, color: &str) {
+        let (fill, ring) = match kind {
+            Use::Read => ("white", 3),
+            Use::Write | Use::Update => (color, 3),
+        };
+        self.put(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{ring}\" fill=\"{fill}\" stroke=\"{color}\"/>"));
+        if kind == Use::Update {
+            self.put(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"1.5\" fill=\"white\"/>"));
+        }
+    }
+
+    /// Writes the title of a section over the lines, with a white rim.
+    fn title(&mut self, row: usize, name: &str) {
+        let y = middle(row) + 4;
+        self.put(format_args!(
+            "<text x=\"10\" y=\"{y}\" font-weight=\"bold\" stroke=\"white\" stroke-width=\"4\" \
+             paint-order=\"stroke\">{name}</text>"
+        ));
+    }
+}
+
 /// Draws the frame; stages that do not run are grey, and so are buffers that only they use.
 fn drawing(runs: &dyn Fn(&str) -> bool) -> Result<String> {
     let (rows, loops) = rows(runs)?;
@@ -135,80 +221,20 @@ fn drawing(runs: &dyn Fn(&str) -> bool) -> Result<String> {
     let lanes = lines.iter().map(|line| line.lane + 1).max().unwrap_or(0);
     let end = lines.iter().map(|line| line.end() + 2).max().unwrap_or(0).max(rows.len());
     let (width, height) = (LANES + (lanes + 1) * LANE, (HEAD + end) * ROW);
-    let middle = |row: usize| (HEAD + row) * ROW + ROW / 2;
-    let mut svg = format!(
+    let mut drawing = Drawing(format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          font-family=\"sans-serif\" font-size=\"11\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
          <text x=\"10\" y=\"20\">Time runs downwards. A line is a buffer: filled where a stage writes it, open where \
          one reads it, both where it does both.</text>\n\
          <text x=\"10\" y=\"36\"><tspan fill=\"#1f5fa8\">Blue</tspan>: written by the host only. \
-         <tspan fill=\"#b0b0b0\">Grey</tspan>: left out.</text>\n"
-    );
-    let mut put = |text: std::fmt::Arguments<'_>| {
-        let _ = svg.write_fmt(text);
-        svg.push('\n');
-    };
-    for (row, Row { name, about, uses, runs }) in rows.iter().enumerate() {
-        if about.is_empty() {
-            continue;
-        }
-        let y = middle(row) + 4;
-        let color = if *runs { "black" } else { "#b0b0b0" };
-        let list = |wanted: &[Use]| {
-            let names = uses.iter().filter(|(_, kind)| wanted.contains(kind)).map(|(buffer, _)| buffer.spec().name);
-            names.collect::<Vec<_>>().join(", ")
-        };
-        let (reads, writes) = (list(&[Use::Read, Use::Update]), list(&[Use::Write, Use::Update]));
-        put(format_args!(
-            "<text x=\"{NAMES}\" y=\"{y}\" fill=\"{color}\">{name}<title>{about}\nreads {reads}\nwrites {writes}\
-             </title></text>"
-        ));
-    }
-    for (name, first, last) in loops {
-        let (top, bottom, y) = (middle(first) - 6, middle(last) + 6, middle(first) + 4);
-        put(format_args!("<text x=\"10\" y=\"{y}\" fill=\"#666\" font-size=\"10\">{name}</text>"));
-        put(format_args!("<path d=\"M{0} {top}h-5V{bottom}h5\" fill=\"none\" stroke=\"#666\"/>", NAMES - 6));
-    }
-    for Line { buffer, lane, first, last } in &lines {
-        let x = LANES + lane * LANE;
-        let used = |row: &&Row| row.uses.iter().any(|(known, _)| known == buffer);
-        let writes = |row: &Row| row.uses.iter().any(|(known, kind)| known == buffer && *kind != Use::Read);
-        let color = match () {
-            () if !rows.iter().filter(used).any(|row| row.runs) => "#b0b0b0",
-            () if !rows.iter().any(writes) => "#1f5fa8",
-            () => "black",
-        };
-        let (top, bottom, name) = (middle(*first), middle(*last), buffer.spec().name);
-        put(format_args!("<path d=\"M{x} {top}V{bottom}\" stroke=\"{color}\"/>"));
-        put(format_args!(
-            "<text transform=\"translate({} {}) rotate(90)\" fill=\"{color}\" font-size=\"9\">{name}</text>",
-            x + 4,
-            top + 6
-        ));
-        for (row, one) in rows.iter().enumerate() {
-            for (_, kind) in one.uses.iter().filter(|(known, _)| known == buffer) {
-                let y = middle(row);
-                let color = if one.runs { color } else { "#b0b0b0" };
-                let (fill, ring) = match kind {
-                    Use::Read => ("white", 3),
-                    Use::Write | Use::Update => (color, 3),
-                };
-                put(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{ring}\" fill=\"{fill}\" stroke=\"{color}\"/>"));
-                if *kind == Use::Update {
-                    put(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"1.5\" fill=\"white\"/>"));
-                }
-            }
-        }
-    }
-    // Titles lie over the lines, with a white rim.
-    for (row, Row { name, .. }) in rows.iter().enumerate().filter(|(_, row)| row.about.is_empty()) {
-        let y = middle(row) + 4;
-        put(format_args!(
-            "<text x=\"10\" y=\"{y}\" font-weight=\"bold\" stroke=\"white\" stroke-width=\"4\" \
-             paint-order=\"stroke\">{name}</text>"
-        ));
-    }
-    Ok(svg + "</svg>\n")
+         <tspan fill=\"{LEFT_OUT}\">Grey</tspan>: left out.</text>\n"
+    ));
+    let (titles, stages): (Vec<_>, Vec<_>) = rows.iter().enumerate().partition(|(_, row)| row.about.is_empty());
+    stages.into_iter().for_each(|(k, row)| drawing.stage(k, row));
+    loops.into_iter().for_each(|bounds| drawing.bracket(bounds));
+    lines.iter().for_each(|line| drawing.line(&rows, line));
+    titles.into_iter().for_each(|(k, row)| drawing.title(k, row.name));
+    Ok(drawing.0 + "</svg>\n")
 }
 
 /// Writes the drawing to a file.

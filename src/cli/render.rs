@@ -1,6 +1,6 @@
 //! `milkglass render`: a picture of a scene.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
@@ -13,10 +13,12 @@ use super::{
     RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
 };
 use milkglass::error::{Input, Result};
+use milkglass::internals::gpu::Device;
 use milkglass::internals::phases::phase;
-use milkglass::internals::pipeline::plan::{Change, Mode, ShadingMethod};
+use milkglass::internals::pipeline::plan::{Change, Mode, Options, ShadingMethod};
 use milkglass::internals::session::cluster_view::{Emitters, clusters, color};
 use milkglass::internals::session::curvature_view::{CurvatureView, curvature_view, flat};
+use milkglass::internals::session::run::Session;
 use milkglass::internals::view::atomic_file::ready;
 use milkglass::internals::view::picture::{check, encode};
 
@@ -52,6 +54,41 @@ pub struct Arguments {
     /// Print each stage's time, and the wall time beside them.
     #[arg(long, conflicts_with = "turntable")]
     times: bool,
+}
+
+impl Arguments {
+    /// Whether layers can be written.
+    fn check_layers(&self) -> Result<()> {
+        if !self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
+            let found = self.output.display();
+            return Err(Input::new("only OpenEXR has layers").key("--aov").found(found).expected("-o FILE.exr").into());
+        }
+        self.picture.run.options().carries("--aov")
+    }
+
+    /// What the frame computes; what is shown instead of light needs other options.
+    fn options(&self) -> Result<Options> {
+        let mut options = self.picture.run.options();
+        if self.aov {
+            options = options.with_layers();
+        }
+        let clustered = matches!(self.view, Some(View::Clusters));
+        if clustered != self.pick.is_some() {
+            let fault = Input::new("--view clusters and --pick X,Y go together").key("--pick");
+            return Err(fault.expected("both or neither").into());
+        }
+        if matches!(self.view, Some(View::Curvature)) {
+            options.transport = ShadingMethod::Cdrf;
+        }
+        if clustered {
+            if options.transport != ShadingMethod::Hierarchy {
+                let found = "another --transport";
+                return Err(Input::new("only the hierarchy has links").key("--view clusters").found(found).into());
+            }
+            options.mode = Mode::Keep;
+        }
+        Ok(options)
+    }
 }
 
 /// The scene of a picture, how it is rendered, and the picture's size.
@@ -96,12 +133,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.limit.hold();
     check(&arguments.output)?;
     let aov = arguments.aov;
-    if aov && !arguments.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
-        let found = arguments.output.display();
-        return Err(Input::new("only OpenEXR has layers").key("--aov").found(found).expected("-o FILE.exr").into());
-    }
     if aov {
-        arguments.picture.run.options().carries("--aov")?;
+        arguments.check_layers()?;
     }
     let around = arguments.picture.bare.turns().map(|turns| format!("0..{}", turns - 1));
     let range = arguments.frames.clone().or(around);
@@ -112,25 +145,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let size = arguments.picture.size()?;
     let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
     let device = phase("opening the device", || arguments.picture.run.device.open(validation()))?;
-    let mut options = arguments.picture.run.options();
-    if aov {
-        options = options.with_layers();
-    }
-    let clustered = matches!(arguments.view, Some(View::Clusters));
-    if clustered != pick.is_some() {
-        let fault = Input::new("--view clusters and --pick X,Y go together").key("--pick");
-        return Err(fault.expected("both or neither").into());
-    }
-    if matches!(arguments.view, Some(View::Curvature)) {
-        options.transport = ShadingMethod::Cdrf;
-    }
-    if clustered {
-        if options.transport != ShadingMethod::Hierarchy {
-            let found = "another --transport";
-            return Err(Input::new("only the hierarchy has links").key("--view clusters").found(found).into());
-        }
-        options.mode = Mode::Keep;
-    }
+    let options = arguments.options()?;
     let subject = arguments.picture.subject()?;
     if let Some(frames) = frames {
         let (scenes, output, skip) = (&subject, &arguments.output, arguments.skip_existing);
@@ -141,25 +156,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     scene.camera = scene.camera.clone().sized(size.unwrap_or(scene.camera.size))?;
     let mut session = phase("opening the session", || open_session(&scene, device.as_ref(), options))?;
     tell_long_work(&session);
-    let shows = pick.is_none() && arguments.view.is_none();
-    let foretold = if shows { phase(FRAMES, || foretell(&mut session))? } else { None };
+    let lit = pick.is_none() && arguments.view.is_none();
+    let foretold = if lit { phase(FRAMES, || foretell(&mut session))? } else { None };
     let mut times = foretold.clone().unwrap_or_default();
     let change = if foretold.is_some() { Change::VIEW } else { Change::EVERYTHING };
     times.extend(phase(FRAMES, || run_frame(&mut session, change))?);
-    if arguments.times && (pick.is_some() || arguments.view.is_some()) {
-        super::solve::print_times(&mut session, &times)?;
-    }
-    if let Some(pick) = pick {
-        let (picture, emitters) = clusters(&mut session, pick)?;
-        check_messages(device.as_ref())?;
-        picture.save(&arguments.output)?;
-        return print_levels(&emitters);
-    }
-    if arguments.view.is_some() {
-        let (picture, curvature_view) = curvature_view(&mut session)?;
-        check_messages(device.as_ref())?;
-        picture.save(&arguments.output)?;
-        return print_curvature(&curvature_view, scene.unit_mm);
+    if !lit {
+        if arguments.times {
+            super::solve::print_times(&mut session, &times)?;
+        }
+        return save_view(&mut session, device.as_ref(), pick, &arguments.output);
     }
     let samples = Samples::new(&session, foretold.is_some());
     times.extend(phase(FRAMES, || sequence::shoot(&mut session, aov, &arguments.output, samples))?);
@@ -173,7 +179,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let camera = &session.scene().camera;
     let exposed = if camera.metered { format!(", exposure {:.3}", camera.exposure) } else { String::new() };
     tell!("{file}: {width} x {height}{exposed}, on {place}, {seconds:.1} s");
-    let share = if options.transport == ShadingMethod::Cdrf { flat(&mut session)? } else { 0.0 };
+    if options.transport == ShadingMethod::Cdrf { tell_flat(&mut session) } else { Ok(()) }
+}
+
+/// Saves and explains what is shown instead of light: the clusters that light a pixel, or the curvature.
+fn save_view(session: &mut Session, device: Option<&Device>, pick: Option<[u32; 2]>, output: &Path) -> Result<()> {
+    if let Some(pick) = pick {
+        let (picture, emitters) = clusters(session, pick)?;
+        check_messages(device)?;
+        picture.save(output)?;
+        return print_levels(&emitters);
+    }
+    let (picture, curvature_view) = curvature_view(session)?;
+    check_messages(device)?;
+    picture.save(output)?;
+    print_curvature(&curvature_view, session.scene().unit_mm)
+}
+
+/// Tells where the CDRF serves the scene badly.
+fn tell_flat(session: &mut Session) -> Result<()> {
+    let share = flat(session)?;
     if share > 0.25 {
         tell!(
             "note: sigma_0 kappa is above 1 on {:.0} % of the vertices, where the CDRF hardly depends on the light: \

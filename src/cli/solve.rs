@@ -19,7 +19,7 @@ use milkglass::internals::view::atomic_file::{is_device, ready};
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::check;
-use milkglass::scene::Receivers;
+use milkglass::scene::{Receivers, Transport};
 
 /// Arguments of `solve`.
 #[derive(Args)]
@@ -101,36 +101,42 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.times {
         print_times(&mut session, &times)?;
     }
-    if let Some(count) = arguments.verify {
-        let checked = check(&mut session, count.get(), arguments.seed)?;
-        let norms = checked.norms;
-        let all = worst(&norms);
-        let row = |name: &str, n: &milkglass::measure::norms::Norms| {
-            vec![name.to_string(), format!("{:.3e}", n.l2), format!("{:.3e}", n.p99), format!("{:.3e}", n.max)]
-        };
-        let rows = [row("r", &norms[0]), row("g", &norms[1]), row("b", &norms[2]), row("worst", &all)];
-        print(&table(["channel", "L2", "p99", "max"], rows.to_vec()))?;
-        if let Some(Quality { covered, ratio, rank }) = checked.estimate {
-            let share = 100.0 * covered;
-            print(&format!(
-                "the estimate is above the error at {share:.2} % of the faces; its p99 is {ratio:.1} times the error's; \
-                 rank correlation {rank:.2}\n"
-            ))?;
-        }
-        if let Some(bound) = checked.bound {
-            let [r, g, b] = bound.map(|l2| format!("{l2:.1e}"));
-            print(&format!(
-                "above: what is left of the equation of diffusion; the estimate of the error of B itself, L2: {r} {g} {b}\n"
-            ))?;
-        }
-        // The tolerance applies to this L2, for the method that has a tolerance.
-        let tolerance = scene.transport.tolerance;
-        let blocks = options.transport == ShadingMethod::Hierarchy && scene.transport.scheme == Scheme::Blocks;
-        let solves = matches!(options.transport, ShadingMethod::Diffusion | ShadingMethod::Auto);
-        let bounded = blocks || (solves && scene.transport.steps.is_none());
-        if all.l2.is_nan() || bounded && all.l2 > tolerance {
-            return Err(Error::Check(format!("L2 is {:.3e}, above transport.tolerance, {tolerance:e}", all.l2)));
-        }
+    match arguments.verify {
+        Some(count) => verify(arguments, count.get(), &mut session, &scene.transport),
+        None => Ok(()),
+    }
+}
+
+/// Compares with brute force, prints the errors, and fails if they are above the tolerance.
+fn verify(arguments: &Arguments, count: usize, session: &mut Session, transport: &Transport) -> Result<()> {
+    let checked = check(session, count, arguments.seed)?;
+    let norms = checked.norms;
+    let all = worst(&norms);
+    let row = |name: &str, n: &milkglass::measure::norms::Norms| {
+        vec![name.to_string(), format!("{:.3e}", n.l2), format!("{:.3e}", n.p99), format!("{:.3e}", n.max)]
+    };
+    let rows = [row("r", &norms[0]), row("g", &norms[1]), row("b", &norms[2]), row("worst", &all)];
+    print(&table(["channel", "L2", "p99", "max"], rows.to_vec()))?;
+    if let Some(Quality { covered, ratio, rank }) = checked.estimate {
+        let share = 100.0 * covered;
+        print(&format!(
+            "the estimate is above the error at {share:.2} % of the faces; its p99 is {ratio:.1} times the error's; \
+             rank correlation {rank:.2}\n"
+        ))?;
+    }
+    if let Some(bound) = checked.bound {
+        let [r, g, b] = bound.map(|l2| format!("{l2:.1e}"));
+        print(&format!(
+            "above: what is left of the equation of diffusion; the estimate of the error of B itself, L2: {r} {g} {b}\n"
+        ))?;
+    }
+    // The tolerance applies to this L2, for the method that has a tolerance.
+    let (tolerance, method) = (transport.tolerance, arguments.run.options().transport);
+    let blocks = method == ShadingMethod::Hierarchy && transport.scheme == Scheme::Blocks;
+    let solves = matches!(method, ShadingMethod::Diffusion | ShadingMethod::Auto);
+    let bounded = blocks || (solves && transport.steps.is_none());
+    if all.l2.is_nan() || bounded && all.l2 > tolerance {
+        return Err(Error::Check(format!("L2 is {:.3e}, above transport.tolerance, {tolerance:e}", all.l2)));
     }
     Ok(())
 }

@@ -38,6 +38,26 @@ pub struct Limits {
     pub round_to_nearest: bool,
 }
 
+impl Limits {
+    /// Those that Vulkan 1.0 tells, for a queue with so many bits in a timestamp.
+    fn core(limits: &vk::PhysicalDeviceLimits, timestamp_bits: u32) -> Self {
+        Self {
+            binding_bytes: limits.max_storage_buffer_range.into(),
+            offset_alignment: limits.min_storage_buffer_offset_alignment,
+            uniform_alignment: limits.min_uniform_buffer_offset_alignment,
+            storage_buffers: limits
+                .max_per_stage_descriptor_storage_buffers
+                .min(limits.max_descriptor_set_storage_buffers),
+            push_bytes: limits.max_push_constants_size,
+            group_invocations: limits.max_compute_work_group_invocations,
+            groups: [0, 1].map(|k| limits.max_compute_work_group_count[k]),
+            timestamp_mask: u64::MAX >> (64 - timestamp_bits.clamp(1, 64)),
+            timestamp_period: if timestamp_bits > 0 { limits.timestamp_period } else { 0.0 },
+            ..Self::default()
+        }
+    }
+}
+
 /// The numbers by which Vulkan names a device and its driver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ids {
@@ -150,13 +170,7 @@ impl Adapter {
                 instance.get_physical_device_memory_properties(physical),
             )
         };
-        let own = |heap: &&vk::MemoryHeap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL);
         let base = properties.properties;
-        // The memory of a driver on the CPU is the host's; the size of its heap is arbitrary.
-        let heap_bytes = match base.device_type {
-            vk::PhysicalDeviceType::CPU => u64::MAX,
-            _ => memory.memory_heaps_as_slice().iter().filter(own).map(|heap| heap.size).max().unwrap_or(0),
-        };
         let text = |bytes: &[std::ffi::c_char]| {
             // SAFETY: the driver terminates these fixed arrays with a zero.
             unsafe { CStr::from_ptr(bytes.as_ptr()) }.to_string_lossy().into_owned()
@@ -168,23 +182,11 @@ impl Adapter {
             .iter()
             .position(|q| compute(q) && q.timestamp_valid_bits > 0)
             .or_else(|| queues.iter().position(compute));
-        let version = base.api_version;
-        let (major, minor, patch) =
-            (vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version));
+        let [major, minor, patch] =
+            [vk::api_version_major, vk::api_version_minor, vk::api_version_patch].map(|part| part(base.api_version));
         let null = more.driver_id == vk::DriverId::MESA_RADV && text(&base.device_name).starts_with("Null hardware");
-        let unusable = if null {
-            Some("is null hardware, which compiles kernels and executes none (RADV_FORCE_FAMILY is set)".to_string())
-        } else if (major, minor) < (1, 2) {
-            Some(format!("offers Vulkan {major}.{minor}, 1.2 is needed"))
-        } else if features12.scalar_block_layout == vk::FALSE {
-            Some("lacks the feature scalarBlockLayout".to_string())
-        } else if family.is_none() {
-            Some("has no compute queue".to_string())
-        } else {
-            None
-        };
+        let packed = features12.scalar_block_layout == vk::TRUE;
         let bits = family.map_or(0, |f| queues[f].timestamp_valid_bits);
-        let timed = bits > 0;
         let queue_family = u32::try_from(family.unwrap_or(0)).unwrap_or(0);
         Adapter {
             number: 0,
@@ -198,36 +200,55 @@ impl Adapter {
                 driver: more.driver_id.as_raw(),
                 driver_version: base.driver_version,
             },
-            kind: match base.device_type {
-                vk::PhysicalDeviceType::DISCRETE_GPU => "discrete",
-                vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated",
-                vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual",
-                vk::PhysicalDeviceType::CPU => "cpu",
-                _ => "other",
-            },
+            kind: kind(base.device_type),
             limits: Limits {
-                binding_bytes: base.limits.max_storage_buffer_range.into(),
-                offset_alignment: base.limits.min_storage_buffer_offset_alignment,
-                uniform_alignment: base.limits.min_uniform_buffer_offset_alignment,
                 allocation_bytes: third.max_memory_allocation_size,
-                storage_buffers: base
-                    .limits
-                    .max_per_stage_descriptor_storage_buffers
-                    .min(base.limits.max_descriptor_set_storage_buffers),
-                push_bytes: base.limits.max_push_constants_size,
-                group_invocations: base.limits.max_compute_work_group_invocations,
-                groups: [0, 1].map(|k| base.limits.max_compute_work_group_count[k]),
-                heap_bytes,
+                heap_bytes: heap_bytes(base.device_type, &memory),
                 subgroup_size: subgroup.subgroup_size,
-                timestamp_mask: u64::MAX >> (64 - bits.clamp(1, 64)),
-                timestamp_period: if timed { base.limits.timestamp_period } else { 0.0 },
                 round_to_nearest: more.shader_rounding_mode_rte_float32 == vk::TRUE,
+                ..Limits::core(&base.limits, bits)
             },
             offers: Offers::query(instance, physical, queue_family),
-            unusable,
+            unusable: lack(null, [major, minor], packed, family.is_some()),
             physical,
             queue_family,
         }
+    }
+}
+
+/// Why a device can't be used, if it can't.
+fn lack(null: bool, [major, minor]: [u32; 2], packed: bool, computes: bool) -> Option<String> {
+    if null {
+        Some("is null hardware, which compiles kernels and executes none (RADV_FORCE_FAMILY is set)".to_string())
+    } else if (major, minor) < (1, 2) {
+        Some(format!("offers Vulkan {major}.{minor}, 1.2 is needed"))
+    } else if !packed {
+        Some("lacks the feature scalarBlockLayout".to_string())
+    } else if !computes {
+        Some("has no compute queue".to_string())
+    } else {
+        None
+    }
+}
+
+/// Bytes of the largest heap of a device's own memory.
+fn heap_bytes(device_type: vk::PhysicalDeviceType, memory: &vk::PhysicalDeviceMemoryProperties) -> u64 {
+    let own = |heap: &&vk::MemoryHeap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL);
+    // The memory of a driver on the CPU is the host's; the size of its heap is arbitrary.
+    match device_type {
+        vk::PhysicalDeviceType::CPU => u64::MAX,
+        _ => memory.memory_heaps_as_slice().iter().filter(own).map(|heap| heap.size).max().unwrap_or(0),
+    }
+}
+
+/// The word for a type of device.
+fn kind(device_type: vk::PhysicalDeviceType) -> &'static str {
+    match device_type {
+        vk::PhysicalDeviceType::DISCRETE_GPU => "discrete",
+        vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated",
+        vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual",
+        vk::PhysicalDeviceType::CPU => "cpu",
+        _ => "other",
     }
 }
 

@@ -10,7 +10,7 @@ use super::choices::{Queues, Submissions};
 use super::faults::drops;
 use super::list::{Entry, Groups, Listed};
 use super::logical_device::LogicalDevice;
-use super::order::waits;
+use super::order::{Wait, waits};
 use super::sets::Sets;
 use crate::error::Result;
 use barriers::STAGES;
@@ -109,15 +109,7 @@ impl Encoded {
             })
             .collect();
         self.sets.prepare(&dispatches)?;
-        let waits = match choices.queues {
-            Queues::One => waits(&dispatches, choices.barriers),
-            Queues::Apart | Queues::Two => {
-                let batches = Batches::new(&device, list)?;
-                let waits = batches.waits(&dispatches, choices.barriers);
-                self.batches = Some(batches);
-                waits
-            }
-        };
+        let waits = self.find_waits(list, &dispatches)?;
         self.make_events(&waits, dispatches.len())?;
         let apart = choices.submissions == Submissions::Step || choices.queues != Queues::One;
         let parts = list.iter().filter(|entry| matches!(entry, Entry::Begin(_))).count();
@@ -167,6 +159,20 @@ impl Encoded {
         }
         self.make_visible();
         self.end()
+    }
+
+    /// What each dispatch waits for within its queue; also finds the batches where there are several queues.
+    fn find_waits(&mut self, list: &[Entry], dispatches: &[&Listed]) -> Result<Vec<Option<Wait>>> {
+        let choices = self.device.choices();
+        Ok(match choices.queues {
+            Queues::One => waits(dispatches, choices.barriers),
+            Queues::Apart | Queues::Two => {
+                let batches = Batches::new(&self.device, list)?;
+                let waits = batches.waits(dispatches, choices.barriers);
+                self.batches = Some(batches);
+                waits
+            }
+        })
     }
 
     /// Ends a secondary command buffer, and has the primary one execute it.

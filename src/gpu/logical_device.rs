@@ -67,59 +67,13 @@ struct Inner {
 impl LogicalDevice {
     /// Opens an adapter to use it as chosen and with these extras, or says why that can't be done.
     pub(super) fn open(instance: &Instance, adapter: &Adapter, choices: &Choices, extras: &Extras) -> Result<Self> {
-        let doing = format!("opening {}", adapter.name);
+        let doing = opening(adapter);
         // Null hardware serves where it is asked what its compiler makes of pipelines.
         let unusable = adapter.unusable.clone().filter(|_| !adapter.null || !extras.statistics);
         if let Some(why) = unusable.or_else(|| adapter.offers.lack(choices)) {
             return Err(Error::device(doing, why));
         }
-        let priorities = [1.0; 2];
-        let count = if choices.queues == Queues::Two { 2 } else { 1 };
-        let queues = [vk::DeviceQueueCreateInfo::default()
-            .queue_family_index(adapter.queue_family)
-            .queue_priorities(&priorities[..count])];
-
-        // What the choices and the extras need, full subgroups where there are any, and nothing else.
-        let (mut features, mut extensions) = (extras.features(), extras.extensions());
-        features.twelve.timeline_semaphore = (choices.queues != Queues::One).into();
-        let mut second = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
-        let full = adapter.offers.full_subgroups;
-        let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default()
-            .subgroup_size_control(choices.subgroup.is_some())
-            .compute_full_subgroups(full);
-        if choices.descriptors == Descriptors::Frame {
-            features.twelve.descriptor_binding_partially_bound = vk::TRUE;
-            features.twelve.descriptor_binding_storage_buffer_update_after_bind = vk::TRUE;
-        }
-        let mut info = vk::DeviceCreateInfo::default()
-            .queue_create_infos(&queues)
-            .enabled_features(&features.core)
-            .push_next(&mut features.eleven)
-            .push_next(&mut features.twelve);
-        if instance.0.presents {
-            extensions.push(khr::swapchain::NAME.as_ptr());
-        }
-        if choices.descriptors == Descriptors::Push {
-            extensions.push(khr::push_descriptor::NAME.as_ptr());
-        }
-        if choices.barriers == Barriers::Synchronization2 {
-            extensions.push(khr::synchronization2::NAME.as_ptr());
-            info = info.push_next(&mut second);
-        }
-        if choices.subgroup.is_some() || full {
-            extensions.push(ext::subgroup_size_control::NAME.as_ptr());
-            info = info.push_next(&mut sizes);
-        }
-        if extras.statistics {
-            info = info.push_next(&mut features.statistics);
-        }
-        let info = info.enabled_extension_names(&extensions);
-        let raw = vk_call("vkCreateDevice", &doing, || {
-            // SAFETY: `info` and all it points to live through the call; the adapter is this instance's.
-            unsafe { instance.0.raw.create_device(adapter.physical, &info, None) }
-        })?;
-        // SAFETY: the family was named in `info`, with so many queues.
-        let queues = [0, count as u32 - 1].map(|index| unsafe { raw.get_device_queue(adapter.queue_family, index) });
+        let (raw, queues) = create(instance, adapter, choices, extras)?;
         let debug = instance.0.debug.as_ref().map(|_| ext::debug_utils::Device::new(&instance.0.raw, &raw));
         let mut inner = Inner {
             push_descriptors: khr::push_descriptor::Device::new(&instance.0.raw, &raw),
@@ -253,6 +207,68 @@ impl LogicalDevice {
             });
         }
     }
+}
+
+/// What is being done, for errors.
+fn opening(adapter: &Adapter) -> String {
+    format!("opening {}", adapter.name)
+}
+
+/// Creates the device, and finds its queues.
+fn create(
+    instance: &Instance,
+    adapter: &Adapter,
+    choices: &Choices,
+    extras: &Extras,
+) -> Result<(ash::Device, [vk::Queue; 2])> {
+    let priorities = [1.0; 2];
+    let count = if choices.queues == Queues::Two { 2 } else { 1 };
+    let queues = [vk::DeviceQueueCreateInfo::default()
+        .queue_family_index(adapter.queue_family)
+        .queue_priorities(&priorities[..count])];
+
+    // What the choices and the extras need, full subgroups where there are any, and nothing else.
+    let (mut features, mut extensions) = (extras.features(), extras.extensions());
+    features.twelve.timeline_semaphore = (choices.queues != Queues::One).into();
+    let mut second = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
+    let full = adapter.offers.full_subgroups;
+    let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default()
+        .subgroup_size_control(choices.subgroup.is_some())
+        .compute_full_subgroups(full);
+    if choices.descriptors == Descriptors::Frame {
+        features.twelve.descriptor_binding_partially_bound = vk::TRUE;
+        features.twelve.descriptor_binding_storage_buffer_update_after_bind = vk::TRUE;
+    }
+    let mut info = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_features(&features.core)
+        .push_next(&mut features.eleven)
+        .push_next(&mut features.twelve);
+    if instance.0.presents {
+        extensions.push(khr::swapchain::NAME.as_ptr());
+    }
+    if choices.descriptors == Descriptors::Push {
+        extensions.push(khr::push_descriptor::NAME.as_ptr());
+    }
+    if choices.barriers == Barriers::Synchronization2 {
+        extensions.push(khr::synchronization2::NAME.as_ptr());
+        info = info.push_next(&mut second);
+    }
+    if choices.subgroup.is_some() || full {
+        extensions.push(ext::subgroup_size_control::NAME.as_ptr());
+        info = info.push_next(&mut sizes);
+    }
+    if extras.statistics {
+        info = info.push_next(&mut features.statistics);
+    }
+    let info = info.enabled_extension_names(&extensions);
+    let raw = vk_call("vkCreateDevice", &opening(adapter), || {
+        // SAFETY: `info` and all it points to live through the call; the adapter is this instance's.
+        unsafe { instance.0.raw.create_device(adapter.physical, &info, None) }
+    })?;
+    // SAFETY: the family was named in `info`, with so many queues.
+    let queues = [0, count as u32 - 1].map(|index| unsafe { raw.get_device_queue(adapter.queue_family, index) });
+    Ok((raw, queues))
 }
 
 impl Drop for Inner {

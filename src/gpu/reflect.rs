@@ -91,6 +91,7 @@ pub(super) fn has_subgroups(words: &[u32]) -> bool {
 }
 
 /// What reflection finds in a kernel.
+#[derive(Default)]
 pub(super) struct Reflected {
     /// The buffers it binds, by binding.
     pub(super) accesses: Vec<Access>,
@@ -183,16 +184,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
         .reflect()
         .map_err(|error| Error::device(doing(), format!("{error:?}")))?;
     let entry = entries.first().ok_or_else(|| Error::device(doing(), "it has no entry point"))?;
-    let mut found = Reflected {
-        accesses: Vec::new(),
-        types: Vec::new(),
-        strides: BTreeMap::new(),
-        push_bytes: 0,
-        pushed: Vec::new(),
-        group: 0,
-        across: 0,
-        constants: BTreeMap::new(),
-    };
+    let mut found = Reflected::default();
     let asked = asked_lengths(words);
     for variable in &entry.vars {
         match variable {

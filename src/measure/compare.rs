@@ -3,7 +3,7 @@
 use super::bias::Bias;
 use super::pattern::pattern;
 use super::rules::{Allowed, Rules, field_of};
-use crate::layout::{BufferId, Number};
+use crate::layout::{BufferId, Number, Word};
 use crate::state::{State, Tolerance};
 
 /// Upper bounds, in units in the last place, of all but the last bin of [`Comparison::histogram`].
@@ -66,67 +66,40 @@ pub fn compare(
     tolerance: Tolerance,
     part: (usize, usize),
 ) -> Comparison {
-    let layout = (slot.spec().words)();
-    let (a, b): (&[u32], &[u32]) =
-        (bytemuck::cast_slice(reference.data.bytes(slot)), bytemuck::cast_slice(device.data.bytes(slot)));
+    let both = Both {
+        slot,
+        layout: (slot.spec().words)(),
+        reference: bytemuck::cast_slice(reference.data.bytes(slot)),
+        device: bytemuck::cast_slice(device.data.bytes(slot)),
+    };
+    let (a, b, layout) = (both.reference, both.device, &both.layout);
     let mut result = Comparison { words: part.1 * layout.len(), ..Comparison::default() };
     if a.len() != b.len() {
         result.failures = a.len().abs_diff(b.len());
         result.first = Some(format!("{} words on the device, {} expected", b.len(), a.len()));
         return result;
     }
-
-    let floats = |k: &usize| layout[*k].number == Number::Float;
-    let group = |k: usize| field_of(&layout[k].path);
     if part.1 > 0 && tolerance != Tolerance::Exact {
-        let own = part.0 * layout.len()..(part.0 + part.1) * layout.len();
-        let starts = (0..layout.len()).filter(floats).filter(|&k| (0..k).all(|j| group(j) != group(k)));
-        result.biases = starts
-            .map(|k| {
-                let words = own.clone().filter(|i| group(i % layout.len()) == group(k));
-                let pairs = words.map(|i| (f32::from_bits(a[i]), f32::from_bits(b[i])));
-                Bias::of(slot.spec().name, group(k), pairs)
-            })
-            .collect();
+        result.biases = both.biases(part);
     }
     if a == b {
-        result.histogram[0] = (part.1 * (0..layout.len()).filter(floats).count()) as u64;
+        result.histogram[0] = (part.1 * both.floats().count()) as u64;
         return result;
     }
     let rules = Rules::new(slot, reference, tolerance);
 
     let (mut wrong, mut worst, mut farthest) = (Vec::new(), (0, 0.0), 0);
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {
-        let mut beyond = 0.0;
-        let k = i % layout.len();
-        let word = &layout[k];
-        let told = (part.0..part.0 + part.1).contains(&(i / layout.len()));
-        if word.number == Number::Float && told {
-            let distance =
-                if same(x, y, || rules.at(i).most.is_some()) { 0 } else { ulp(f32::from_bits(x), f32::from_bits(y)) };
+        let float = layout[i % layout.len()].number == Number::Float;
+        let equal = if float { same(x, y, || rules.at(i).most.is_some()) } else { x == y };
+        if float && (part.0..part.0 + part.1).contains(&(i / layout.len())) {
+            let distance = if equal { 0 } else { ulp(f32::from_bits(x), f32::from_bits(y)) };
             result.histogram[BINS.iter().take_while(|most| distance > **most).count()] += 1;
             if distance > result.ulp {
                 (result.ulp, farthest) = (distance, i);
             }
         }
-        let passes = match word.number {
-            Number::Float if !same(x, y, || rules.at(i).most.is_some()) => {
-                let (p, q) = (f32::from_bits(x), f32::from_bits(y));
-                let difference = (f64::from(p) - f64::from(q)).abs();
-                let Allowed { lowest, most, .. } = rules.at(i);
-                let allowed = most.unwrap_or(0.0);
-                let relative = difference / f64::from(p).abs().max(lowest).max(1e-38);
-                // NaN and infinity count as infinitely far off.
-                result.relative = result.relative.max(if relative.is_nan() { f64::INFINITY } else { relative });
-                beyond = difference / allowed.max(1e-38);
-                let used = if difference == 0.0 && allowed > 0.0 { 0.0 } else { difference / allowed };
-                result.used = result.used.max(if used.is_nan() { f64::INFINITY } else { used });
-                // Without a rule the bits must agree: 0 and -0 differ.
-                most.is_some() && p.is_finite() && q.is_finite() && difference <= allowed
-            }
-            Number::Float => true,
-            Number::Unsigned => x == y,
-        };
+        let (passes, beyond) = if float && !equal { result.hold([x, y], rules.at(i)) } else { (equal, 0.0) };
         if !passes {
             if wrong.is_empty() || beyond > worst.1 || (f64::is_nan(beyond) && !f64::is_nan(worst.1)) {
                 worst = (i, beyond);
@@ -135,28 +108,78 @@ pub fn compare(
         }
     }
     result.failures = wrong.len();
-    let told = |i: usize| {
-        let word = &layout[i % layout.len()];
+    result.first = wrong.first().map(|&first| both.told(first));
+    if result.ulp > FAR && wrong.is_empty() {
+        result.farthest = rules.at(farthest).beside_its_share().map(|why| {
+            let off = (f64::from(f32::from_bits(b[farthest])) - f64::from(f32::from_bits(a[farthest]))).abs();
+            format!("{}: off by {off:.1e}, {why}", both.told(farthest))
+        });
+    }
+    if let Some(first) = wrong.first() {
+        result.worst = (worst.0 != *first).then(|| both.told(worst.0));
+        result.places = pattern(&wrong, layout, part);
+    }
+    result
+}
+
+impl Comparison {
+    /// Whether two floats that differ are within what is allowed, and by which factor the difference exceeds that.
+    fn hold(&mut self, words: [u32; 2], Allowed { lowest, most, .. }: Allowed) -> (bool, f64) {
+        let [p, q] = words.map(f32::from_bits);
+        let difference = (f64::from(p) - f64::from(q)).abs();
+        let allowed = most.unwrap_or(0.0);
+        let relative = difference / f64::from(p).abs().max(lowest).max(1e-38);
+        // NaN and infinity count as infinitely far off.
+        self.relative = self.relative.max(if relative.is_nan() { f64::INFINITY } else { relative });
+        let used = if difference == 0.0 && allowed > 0.0 { 0.0 } else { difference / allowed };
+        self.used = self.used.max(if used.is_nan() { f64::INFINITY } else { used });
+        // Without a rule the bits must agree: 0 and -0 differ.
+        let passes = most.is_some() && p.is_finite() && q.is_finite() && difference <= allowed;
+        (passes, difference / allowed.max(1e-38))
+    }
+}
+
+/// A buffer on both sides.
+struct Both<'a> {
+    slot: BufferId,
+    layout: Vec<Word>,
+    reference: &'a [u32],
+    device: &'a [u32],
+}
+
+impl Both<'_> {
+    /// The words of an element that are floats.
+    fn floats(&self) -> impl Iterator<Item = usize> {
+        (0..self.layout.len()).filter(|&k| self.layout[k].number == Number::Float)
+    }
+
+    /// The signed differences of each field in a part of the buffer.
+    fn biases(&self, part: (usize, usize)) -> Vec<Bias> {
+        let length = self.layout.len();
+        let group = |k: usize| field_of(&self.layout[k].path);
+        let range = part.0 * length..(part.0 + part.1) * length;
+        let starts = self.floats().filter(|&k| (0..k).all(|j| group(j) != group(k)));
+        starts
+            .map(|k| {
+                let words = range.clone().filter(|i| group(i % length) == group(k));
+                let pairs = words.map(|i| (f32::from_bits(self.reference[i]), f32::from_bits(self.device[i])));
+                Bias::of(self.slot.spec().name, group(k), pairs)
+            })
+            .collect()
+    }
+
+    /// A word on both sides, as text.
+    fn told(&self, i: usize) -> String {
+        let word = &self.layout[i % self.layout.len()];
         let show = |bits: u32| match word.number {
             Number::Float => format!("{:e} ({bits:#010x})", f32::from_bits(bits)),
             Number::Unsigned => format!("{bits} ({bits:#010x})"),
         };
         let dot = if word.path.is_empty() { "" } else { "." };
-        let (name, element) = (slot.spec().name, i / layout.len());
-        format!("{name}[{element}]{dot}{}: reference {}, device {}", word.path, show(a[i]), show(b[i]))
-    };
-    result.first = wrong.first().map(|&first| told(first));
-    if result.ulp > FAR && wrong.is_empty() {
-        result.farthest = rules.at(farthest).beside_its_share().map(|why| {
-            let off = (f64::from(f32::from_bits(b[farthest])) - f64::from(f32::from_bits(a[farthest]))).abs();
-            format!("{}: off by {off:.1e}, {why}", told(farthest))
-        });
+        let (name, element) = (self.slot.spec().name, i / self.layout.len());
+        let [reference, device] = [self.reference[i], self.device[i]].map(show);
+        format!("{name}[{element}]{dot}{}: reference {reference}, device {device}", word.path)
     }
-    if let Some(first) = wrong.first() {
-        result.worst = (worst.0 != *first).then(|| told(worst.0));
-        result.places = pattern(&wrong, &layout, part);
-    }
-    result
 }
 
 #[cfg(test)]

@@ -85,50 +85,10 @@ impl Material {
             return Err(fault.found("opaque = false").expected("opaque = true, or scattering and absorption"));
         }
 
-        // The preset and its overrides.
         let preset = file.preset.as_deref().map(|name| find(name, &key("preset"))).transpose()?;
-        let pick = |name: &str, own: Option<Rgb>, of_preset: Option<[f64; 3]>| {
-            own.map(|rgb| rgb.0).or(of_preset).ok_or_else(|| {
-                let what = "missing: a material needs it, or a preset";
-                Input::new(what).key(key(name)).expected("a number or [r, g, b], per mm")
-            })
-        };
-        let scattering = pick("sigma_s_prime", file.sigma_s_prime, preset.map(|p| p.sigma_s_prime))?;
-        let absorption = pick("sigma_a", file.sigma_a, preset.map(|p| p.sigma_a))?;
-        let eta = file.eta.map_or([preset.map_or(ETA, |p| p.eta); 3], |rgb| rgb.0);
-
-        // Ranges.
-        let zero_up = "numbers of at least 0, per mm";
-        range::channels(&key("sigma_s_prime"), scattering, |x| x >= 0.0, zero_up)?;
-        range::channels(&key("sigma_a"), absorption, |x| x >= 0.0, zero_up)?;
-        range::channels(&key("eta"), eta, |x| (0.5..=5.0).contains(&x), "numbers from 0.5 to 5")?;
-        if file.fresnel == Fresnel::Paper {
-            let expected =
-                format!("numbers of at most {PAPER_ETA}, or fresnel = \"exact\": the polynomial F_dr passes 1");
-            range::channels(&key("eta"), eta, |x| x <= PAPER_ETA, &expected)?;
-        }
-        let g = file.g.map_or([0.0; 3], |rgb| rgb.0);
-        range::channels(&key("g"), g, |x| x.abs() <= 0.95, "numbers from -0.95 to 0.95")?;
+        let [scattering, absorption, eta, g] = Self::optics(file, preset, &key)?;
         let scale = scale?;
-
-        // Convert to scene units: a coefficient may overflow, or a whole channel vanish.
-        let per_unit = |name: &str, values: [f64; 3]| {
-            let values = values.map(|x| x * scale * unit_mm);
-            range::channels(&key(name), values, |_| true, "a finite number after unit and scale")
-        };
-        let sigma_s_prime = per_unit("sigma_s_prime", scattering)?;
-        let sigma_a = per_unit("sigma_a", absorption)?;
-        if let Some(channel) = (0..3).find(|&c| !(sigma_s_prime[c] + sigma_a[c]).is_finite()) {
-            let found = format!("{:e} and {:e}", sigma_s_prime[channel], sigma_a[channel]);
-            let expected = "sigma_s_prime + sigma_a a finite number in every channel";
-            return Err(Input::new("out of range").key(key("sigma_s_prime")).found(found).expected(expected));
-        }
-        if let Some(channel) = (0..3).find(|&c| sigma_s_prime[c] + sigma_a[c] < f64::MIN_POSITIVE) {
-            let what = "a channel neither scatters nor absorbs";
-            let found = format!("0 for both in channel {}", ["r", "g", "b"][channel]);
-            let expected = "sigma_s_prime + sigma_a above 0 in every channel";
-            return Err(Input::new(what).key(key("sigma_s_prime")).found(found).expected(expected));
-        }
+        let [sigma_s_prime, sigma_a] = Self::per_unit([scattering, absorption], [scale, unit_mm], &key)?;
         let modified = file.sigma_s_prime.is_some() || file.sigma_a.is_some() || file.eta.is_some();
         let name = match preset {
             None => "custom".to_owned(),
@@ -168,6 +128,58 @@ impl Material {
         };
         made.check_wraps(key)?;
         made.check_single(key).map(|()| made)
+    }
+
+    /// Scattering and absorption per mm, index of refraction and mean cosine: the preset's and its overrides.
+    fn optics(file: &MaterialFile, preset: Option<&Preset>, key: &impl Fn(&str) -> String) -> Checked<[[f64; 3]; 4]> {
+        let pick = |name: &str, own: Option<Rgb>, of_preset: Option<[f64; 3]>| {
+            own.map(|rgb| rgb.0).or(of_preset).ok_or_else(|| {
+                let what = "missing: a material needs it, or a preset";
+                Input::new(what).key(key(name)).expected("a number or [r, g, b], per mm")
+            })
+        };
+        let scattering = pick("sigma_s_prime", file.sigma_s_prime, preset.map(|p| p.sigma_s_prime))?;
+        let absorption = pick("sigma_a", file.sigma_a, preset.map(|p| p.sigma_a))?;
+        let eta = file.eta.map_or([preset.map_or(ETA, |p| p.eta); 3], |rgb| rgb.0);
+
+        let zero_up = "numbers of at least 0, per mm";
+        range::channels(&key("sigma_s_prime"), scattering, |x| x >= 0.0, zero_up)?;
+        range::channels(&key("sigma_a"), absorption, |x| x >= 0.0, zero_up)?;
+        range::channels(&key("eta"), eta, |x| (0.5..=5.0).contains(&x), "numbers from 0.5 to 5")?;
+        if file.fresnel == Fresnel::Paper {
+            let expected =
+                format!("numbers of at most {PAPER_ETA}, or fresnel = \"exact\": the polynomial F_dr passes 1");
+            range::channels(&key("eta"), eta, |x| x <= PAPER_ETA, &expected)?;
+        }
+        let g = file.g.map_or([0.0; 3], |rgb| rgb.0);
+        range::channels(&key("g"), g, |x| x.abs() <= 0.95, "numbers from -0.95 to 0.95")?;
+        Ok([scattering, absorption, eta, g])
+    }
+
+    /// Coefficients in scene units, of a scale and millimetres: one may overflow, or a whole channel vanish.
+    fn per_unit(
+        [scattering, absorption]: [[f64; 3]; 2],
+        [scale, unit_mm]: [f64; 2],
+        key: &impl Fn(&str) -> String,
+    ) -> Checked<[[f64; 3]; 2]> {
+        let per_unit = |name: &str, values: [f64; 3]| {
+            let values = values.map(|x| x * scale * unit_mm);
+            range::channels(&key(name), values, |_| true, "a finite number after unit and scale")
+        };
+        let sigma_s_prime = per_unit("sigma_s_prime", scattering)?;
+        let sigma_a = per_unit("sigma_a", absorption)?;
+        if let Some(channel) = (0..3).find(|&c| !(sigma_s_prime[c] + sigma_a[c]).is_finite()) {
+            let found = format!("{:e} and {:e}", sigma_s_prime[channel], sigma_a[channel]);
+            let expected = "sigma_s_prime + sigma_a a finite number in every channel";
+            return Err(Input::new("out of range").key(key("sigma_s_prime")).found(found).expected(expected));
+        }
+        if let Some(channel) = (0..3).find(|&c| sigma_s_prime[c] + sigma_a[c] < f64::MIN_POSITIVE) {
+            let what = "a channel neither scatters nor absorbs";
+            let found = format!("0 for both in channel {}", ["r", "g", "b"][channel]);
+            let expected = "sigma_s_prime + sigma_a above 0 in every channel";
+            return Err(Input::new(what).key(key("sigma_s_prime")).found(found).expected(expected));
+        }
+        Ok([sigma_s_prime, sigma_a])
     }
 
     /// A material that light does not enter: a diffuse surface. Its index defaults to 1, or to 1.5 if it reflects.
@@ -220,6 +232,16 @@ impl Material {
             texture,
             layers: None,
         })
+    }
+
+    /// The key of what needs texture coordinates, if anything does.
+    pub(super) fn textured(&self) -> Option<&'static str> {
+        let keys = [
+            (self.texture.is_some(), "texture"),
+            (self.layers.as_ref().is_some_and(|layers| layers.map.mapped), "layers.maps"),
+            (self.sigma_0_texture.is_some(), "sigma_0_texture"),
+        ];
+        keys.into_iter().find(|(needs, _)| *needs).map(|(_, key)| key)
     }
 
     /// Fails if `single_scattering` is set beside a key with which it has no meaning.

@@ -203,6 +203,20 @@ impl Draft {
         if self.deforms.is_empty() { (self.rotation, self.position) } else { Default::default() }
     }
 
+    fn load_maps(&mut self, files: &Files, folder: &Path, index: usize, report: &mut Vec<String>) -> Checked<()> {
+        let key = |name: &str| format!("object.{index}.material.{name}");
+        if let Some(map) = &mut self.material.sigma_0_texture {
+            map.load(files, folder, &self.source, &key("sigma_0_texture"), report)?;
+        }
+        if let Some(texture) = &mut self.material.texture {
+            texture.load(files, folder, &self.source, &key("texture"), report)?;
+        }
+        if let Some(layers) = &mut self.material.layers {
+            layers.load(files, folder, &key("layers"), report)?;
+        }
+        Ok(())
+    }
+
     /// Loads textures and depth maps; reads or builds the mesh, refines it for the hierarchy and scales it, rotates and
     /// moves it if it has deformations; reads the targets of its morphs and the pose that
     /// `play` asks for. Paths are relative to `folder`.
@@ -219,29 +233,14 @@ impl Draft {
             let played = deform::Draft::played(files, (&folder.join(path), *part), play)?;
             self.deforms.splice(..0, played);
         }
-        let key = format!("object.{index}.material.texture");
-        let layered = format!("object.{index}.material.layers");
-        let maps = format!("{layered}.maps");
-        let textured = self.material.texture.as_ref().map(|_| key.as_str());
-        let mapped = self.material.layers.as_ref().is_some_and(|layers| layers.map.mapped);
-        let textured = textured.or(mapped.then_some(maps.as_str()));
-        let spread = format!("object.{index}.material.sigma_0_texture");
-        let textured = textured.or(self.material.sigma_0_texture.as_ref().map(|_| spread.as_str()));
-        if let Some(map) = &mut self.material.sigma_0_texture {
-            map.load(files, folder, &self.source, &spread, report)?;
-        }
         let unwrapped = transport.unwrap && self.material.opaque.is_none();
-        let textured = textured.or(unwrapped.then_some("transport.unwrap"));
+        let textured = self.material.textured().map(|key| format!("object.{index}.material.{key}"));
+        let textured = textured.or(unwrapped.then(|| "transport.unwrap".to_owned()));
         let own = self.material.texture.as_ref().is_some_and(Texture::is_own);
-        if let Some(texture) = &mut self.material.texture {
-            texture.load(files, folder, &self.source, &key, report)?;
-        }
-        if let Some(layers) = &mut self.material.layers {
-            layers.load(files, folder, &layered, report)?;
-        }
+        self.load_maps(files, folder, index, report)?;
         let mesh = match &self.source {
             Source::File(path, part) => {
-                let wanted = textured.map(|key| Coordinates { key, own });
+                let wanted = textured.as_deref().map(|key| Coordinates { key, own });
                 Mesh::read(files, &folder.join(path), *part, wanted, report)?
             }
             Source::Shape(shape, detail) => {
@@ -266,7 +265,11 @@ impl Draft {
         if let Some(layers) = &self.material.layers {
             // Built-in shapes are known to have triangles without area in the texture: do not report those.
             let shape = matches!(self.source, Source::Shape(..));
-            layers.check_mesh(&mesh, &layered, if shape { &mut unsaid } else { report })?;
+            layers.check_mesh(
+                &mesh,
+                &format!("object.{index}.material.layers"),
+                if shape { &mut unsaid } else { report },
+            )?;
         }
         let (middle, factor) = match self.size {
             Some(size) => mesh.resize(size, &format!("object.{index}.size"))?,

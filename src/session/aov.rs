@@ -31,62 +31,106 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     session.sharpen()?;
     session.fetch(&known)?;
     session.fetch(&[BufferId::runs, BufferId::spans])?;
-    let (state, units) = (session.state(), *session.units());
+    let shown = Shown::new(session);
+    let state = session.state();
     let data = &state.data;
-    // Clamped to what `f32` can hold.
-    let light = |value: DVec3| narrow((value * units.light).min(DVec3::splat(f32::MAX.into())));
-
-    let links = links(state);
-    let shown: Vec<Option<&Hit>> =
-        data.hits.iter().map(|hit| ((hit.face as usize) < data.triangles.len()).then_some(hit)).collect();
-    let own = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {
-        shown.iter().map(|hit| hit.map_or([0.0; 3], |hit| light(wide(values[hit.face as usize])))).collect()
-    };
-    // Vertex values interpolated over the triangle, as in the picture.
-    let blend = |values: &[[f32; 3]], done: &dyn Fn(DVec3) -> [f32; 3]| -> Vec<[f32; 3]> {
-        let mixed = |hit: &Hit| {
-            let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
-            let corners = data.triangles[hit.face as usize].iter().zip(weight);
-            done(corners.map(|(&v, weight)| weight * wide(values[v as usize])).sum())
-        };
-        shown.iter().map(|hit| hit.map_or([0.0; 3], mixed)).collect()
-    };
-    // Values at the receiver: the pixel's own, or its triangle.
-    let receiver = |pixel: usize, face: usize| {
-        let object = &state.objects[state.object_of(face)];
-        let own = if object.by_pixel { data.seen[pixel] as usize } else { face - object.first.faces };
-        (object.by_pixel, object.first.receivers + own)
-    };
-    let received = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {
-        let of = |(pixel, hit): (usize, &Option<&Hit>)| {
-            hit.map_or([0.0; 3], |hit| light(wide(values[receiver(pixel, hit.face as usize).1])))
-        };
-        shown.iter().enumerate().map(of).collect()
-    };
-    let mut radiosity = blend(&data.vertex_radiosity, &light);
-    let exact = received(&data.radiosity);
-    for (pixel, hit) in shown.iter().enumerate() {
-        if hit.is_some_and(|hit| receiver(pixel, hit.face as usize).0) {
-            radiosity[pixel] = exact[pixel];
-        }
-    }
-    let number = |nothing: u32, of: &dyn Fn(usize) -> u32| {
-        Samples::Whole(shown.iter().map(|hit| hit.map_or(nothing, |hit| of(hit.face as usize))).collect())
-    };
-
-    let of_link =
-        |(pixel, hit): (usize, &Option<&Hit>)| hit.map_or(0, |hit| links[receiver(pixel, hit.face as usize).1]);
-    let of_links = Samples::Whole(shown.iter().enumerate().map(of_link).collect());
     let rgb = ["R", "G", "B"];
-    let normals = blend(data.normals_in_scene(), &|normal| narrow(normal.normalize_or_zero()));
+    let normals = shown.blend(data.normals_in_scene(), |normal| narrow(normal.normalize_or_zero()));
     let mut layers = vec![
-        Layer::vector("irradiance", rgb, &own(&data.irradiance)),
-        Layer::vector("radiosity", rgb, &radiosity),
+        Layer::vector("irradiance", rgb, &shown.by_triangle(&data.irradiance)),
+        Layer::vector("radiosity", rgb, &shown.radiosity()),
         Layer::vector("normal", ["X", "Y", "Z"], &normals),
     ];
-    let casting = data.lights.iter().filter(|light| light.shadow != NONE).count();
-    if casting > 0 && !data.lit.is_empty() {
-        // Of a triangle's rays to the lights the share that arrives; 1 where light is found at the pixels.
+    layers.extend(shown.shadows());
+    if state.method.estimate {
+        let comment = session.leaves_out_borders().then_some(BORDERS);
+        layers.push(Layer { comment, ..Layer::vector("error_estimate", rgb, &shown.estimate()) });
+    }
+    if !data.walk_noise.is_empty() {
+        layers.push(Layer::vector("standard_error", rgb, &shown.by_triangle(&data.walk_noise)));
+    }
+    layers.push(Layer::single("depth", "Z", shown.depth()));
+    layers.push(Layer::single("object", "id", shown.number(|face| state.object_of(face) as u32)));
+    layers.push(Layer::single("triangle", "id", shown.number(|face| session.triangle(face))));
+    layers.push(Layer::single("links", "count", shown.links()));
+    Ok(layers)
+}
+
+/// What each pixel shows, and values there.
+struct Shown<'a> {
+    session: &'a Session,
+    hits: Vec<Option<&'a Hit>>,
+}
+
+impl<'a> Shown<'a> {
+    fn new(session: &'a Session) -> Self {
+        let data = &session.state().data;
+        let shows = |hit: &'a Hit| ((hit.face as usize) < data.triangles.len()).then_some(hit);
+        Self { session, hits: data.hits.iter().map(shows).collect() }
+    }
+
+    /// A value in the scene's units, clamped to what `f32` can hold.
+    fn light(&self, value: DVec3) -> [f32; 3] {
+        narrow((value * self.session.units().light).min(DVec3::splat(f32::MAX.into())))
+    }
+
+    /// Values of the triangles.
+    fn by_triangle(&self, values: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        self.hits.iter().map(|hit| hit.map_or([0.0; 3], |hit| self.light(wide(values[hit.face as usize])))).collect()
+    }
+
+    /// Vertex values interpolated over the triangle, as in the picture.
+    fn blend(&self, values: &[[f32; 3]], done: impl Fn(DVec3) -> [f32; 3]) -> Vec<[f32; 3]> {
+        let triangles = &self.session.state().data.triangles;
+        let mixed = |hit: &Hit| {
+            let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+            let corners = triangles[hit.face as usize].iter().zip(weight);
+            done(corners.map(|(&v, weight)| weight * wide(values[v as usize])).sum())
+        };
+        self.hits.iter().map(|hit| hit.map_or([0.0; 3], mixed)).collect()
+    }
+
+    /// The receiver that a pixel shows, and whether it is the pixel's own: else it is its triangle.
+    fn receiver(&self, pixel: usize, face: usize) -> (bool, usize) {
+        let state = self.session.state();
+        let object = &state.objects[state.object_of(face)];
+        let receiver = if object.by_pixel { state.data.seen[pixel] as usize } else { face - object.first.faces };
+        (object.by_pixel, object.first.receivers + receiver)
+    }
+
+    /// Values of the receivers.
+    fn received(&self, values: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let value = |(pixel, hit): (usize, &Option<&Hit>)| {
+            hit.map_or([0.0; 3], |hit| self.light(wide(values[self.receiver(pixel, hit.face as usize).1])))
+        };
+        self.hits.iter().enumerate().map(value).collect()
+    }
+
+    /// Numbers of the triangles; all ones where none is seen.
+    fn number(&self, number: impl Fn(usize) -> u32) -> Samples {
+        Samples::Whole(self.hits.iter().map(|hit| hit.map_or(u32::MAX, |hit| number(hit.face as usize))).collect())
+    }
+
+    fn radiosity(&self) -> Vec<[f32; 3]> {
+        let data = &self.session.state().data;
+        let mut radiosity = self.blend(&data.vertex_radiosity, |value| self.light(value));
+        let exact = self.received(&data.radiosity);
+        for (pixel, hit) in self.hits.iter().enumerate() {
+            if hit.is_some_and(|hit| self.receiver(pixel, hit.face as usize).0) {
+                radiosity[pixel] = exact[pixel];
+            }
+        }
+        radiosity
+    }
+
+    /// Of a triangle's rays to the lights the share that arrives; 1 where light is found at the pixels.
+    fn shadows(&self) -> Option<Layer> {
+        let state = self.session.state();
+        let data = &state.data;
+        let casting = data.lights.iter().filter(|light| light.shadow != NONE).count();
+        if casting == 0 || data.lit.is_empty() {
+            return None;
+        }
         let words = data.object_params[0].shadow_words as usize;
         let share = |hit: &&Hit| {
             let face = hit.face as usize;
@@ -94,28 +138,35 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
             let by_face = state.objects[state.object_of(face)].lit_by_face();
             if by_face { lit as f32 / casting as f32 } else { 1.0 }
         };
-        let shares = shown.iter().map(|hit| hit.as_ref().map_or(0.0, share)).collect();
-        layers.push(Layer::single("shadows", "lit", Samples::Float(shares)));
+        let shares = self.hits.iter().map(|hit| hit.as_ref().map_or(0.0, share)).collect();
+        Some(Layer::single("shadows", "lit", Samples::Float(shares)))
     }
-    if state.method.estimate {
-        let mut estimate = received(&data.estimate);
-        for (estimate, hit) in estimate.iter_mut().zip(&shown) {
-            let missed = hit.map_or([0.0; 3], |hit| session.missed(hit.face as usize));
+
+    /// The error estimate, with what borders of shadows add to it.
+    fn estimate(&self) -> Vec<[f32; 3]> {
+        let mut estimate = self.received(&self.session.state().data.estimate);
+        for (estimate, hit) in estimate.iter_mut().zip(&self.hits) {
+            let missed = hit.map_or([0.0; 3], |hit| self.session.missed(hit.face as usize));
             *estimate = [0, 1, 2].map(|c| f64::from(estimate[c]).hypot(missed[c]).min(f32::MAX.into()) as f32);
         }
-        let comment = session.leaves_out_borders().then_some(BORDERS);
-        layers.push(Layer { comment, ..Layer::vector("error_estimate", rgb, &estimate) });
+        estimate
     }
-    if !data.walk_noise.is_empty() {
-        layers.push(Layer::vector("standard_error", rgb, &own(&data.walk_noise)));
+
+    /// Depth along the view axis, in scene units.
+    fn depth(&self) -> Samples {
+        let length = self.session.units().length;
+        let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / length) as f32);
+        Samples::Float(self.hits.iter().map(depth).collect())
     }
-    // Depth along the view axis, in scene units.
-    let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);
-    layers.push(Layer::single("depth", "Z", Samples::Float(shown.iter().map(depth).collect())));
-    layers.push(Layer::single("object", "id", number(u32::MAX, &|face| state.object_of(face) as u32)));
-    layers.push(Layer::single("triangle", "id", number(u32::MAX, &|face| session.triangle(face))));
-    layers.push(Layer::single("links", "count", of_links));
-    Ok(layers)
+
+    /// Numbers of links.
+    fn links(&self) -> Samples {
+        let links = links(self.session.state());
+        let value = |(pixel, hit): (usize, &Option<&Hit>)| {
+            hit.map_or(0, |hit| links[self.receiver(pixel, hit.face as usize).1])
+        };
+        Samples::Whole(self.hits.iter().enumerate().map(value).collect())
+    }
 }
 
 /// Number of emitters, clusters or triangles, whose light each receiver gathered; 0 with brute force, which keeps no

@@ -7,8 +7,10 @@ use rayon::prelude::*;
 use super::run::Session;
 use crate::error::{Input, Result};
 use crate::geometry::trace::{UNFINISHED, trace};
+use crate::layout::Buffers;
 use crate::pipeline::plan::Change;
 use crate::prepare::textures::texels;
+use crate::prepare::units::Units;
 use crate::scene::{Memory, Mesh, Scene};
 use crate::state::narrow;
 use crate::state::options::{Options, ShadingMethod};
@@ -53,23 +55,19 @@ const FOUND_BYTES: u64 = size_of::<(usize, [(f64, bool); 4])>() as u64;
 /// Most times that the bounding boxes of all triangles together may cover the map.
 const MOST_TIMES: f64 = 32.0;
 
-/// Depths below the first object of `outer`, which has texture coordinates, of the first objects of up to four
-/// `inner` scenes in the same unit, each clamped to at least the one before. `memory` limits the memory.
-pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> Result<Baked> {
-    let mesh = &outer.objects[0].mesh;
-    let uvs = mesh.uvs.as_deref().unwrap_or_default();
-    let sessions = inner.iter().map(ready).collect::<Result<Vec<_>>>()?;
-    let below: Vec<_> = sessions.iter().map(|session| (&session.state().data, session.units())).collect();
-    let (normals, places) = (normals(mesh), size[0] as usize * size[1] as usize);
-
-    // Covered texels are searched in each triangle's bounding box.
-    let across = |uvs: &[[f64; 2]; 3]| {
-        let extent = |k: usize| {
-            let [a, b, c] = uvs.map(|uv| uv[k]);
-            (a.max(b).max(c) - a.min(b).min(c)) * f64::from(size[k]) + 1.0
-        };
-        extent(0) * extent(1)
+/// Texels of a triangle's bounding box, about: covered ones are searched there.
+fn across(uvs: &[[f64; 2]; 3], size: [u32; 2]) -> f64 {
+    let extent = |k: usize| {
+        let [a, b, c] = uvs.map(|uv| uv[k]);
+        (a.max(b).max(c) - a.min(b).min(c)) * f64::from(size[k]) + 1.0
     };
+    extent(0) * extent(1)
+}
+
+/// Whether a map of this size can be baked, in time and memory.
+fn check_size(uvs: &[[[f64; 2]; 3]], size: [u32; 2], memory: Memory) -> Result<()> {
+    let places = size[0] as usize * size[1] as usize;
+    let across = |uvs: &[[f64; 2]; 3]| across(uvs, size);
     let looked_at: f64 = uvs.iter().map(across).sum();
     let most = MOST_TIMES * places as f64 + MOST_TIMES * uvs.len() as f64;
     if looked_at > most {
@@ -79,30 +77,42 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> R
     }
     let largest = uvs.iter().map(across).fold(places as f64, f64::max);
     let needed = memory.need(places as u64 * MAP_BYTES + largest as u64 * FOUND_BYTES);
-    needed.map_err(|error| Input::new("the map is too large").key("--size").found(error))?;
+    Ok(needed.map_err(|error| Input::new("the map is too large").key("--size").found(error))?)
+}
 
-    // A ray down from a texel's surface point: its length, and whether it hits a surface from behind.
-    let down = |at: DVec3, normal: DVec3| -> [(f64, bool); 4] {
-        std::array::from_fn(|k| {
-            let Some((data, units)) = below.get(k) else { return (0.0, false) };
-            let hit = trace(data, narrow(units.inside(at)), narrow(-normal));
-            if hit.face >= UNFINISHED {
-                return (f64::INFINITY, false);
-            }
-            let corner =
-                |k: usize| DVec3::from(data.in_scene()[data.triangles[hit.face as usize][k] as usize].map(f64::from));
-            let [a, b, c] = [0, 1, 2].map(corner);
-            let behind = (b - a).cross(c - a).dot(normal) < 0.0;
-            (f64::from(hit.numerator / hit.denominator) / units.length, behind)
-        })
-    };
+/// A ray down from a texel's surface point: for each surface below its length, and whether it hits it from behind.
+fn down(below: &[(&Buffers, &Units)], at: DVec3, normal: DVec3) -> [(f64, bool); 4] {
+    std::array::from_fn(|k| {
+        let Some((data, units)) = below.get(k) else { return (0.0, false) };
+        let hit = trace(data, narrow(units.inside(at)), narrow(-normal));
+        if hit.face >= UNFINISHED {
+            return (f64::INFINITY, false);
+        }
+        let corner =
+            |k: usize| DVec3::from(data.in_scene()[data.triangles[hit.face as usize][k] as usize].map(f64::from));
+        let [a, b, c] = [0, 1, 2].map(corner);
+        let behind = (b - a).cross(c - a).dot(normal) < 0.0;
+        (f64::from(hit.numerator / hit.denominator) / units.length, behind)
+    })
+}
+
+/// Depths below the first object of `outer`, which has texture coordinates, of the first objects of up to four
+/// `inner` scenes in the same unit, each clamped to at least the one before. `memory` limits the memory.
+pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> Result<Baked> {
+    let mesh = &outer.objects[0].mesh;
+    let uvs = mesh.uvs.as_deref().unwrap_or_default();
+    let sessions = inner.iter().map(ready).collect::<Result<Vec<_>>>()?;
+    let below: Vec<_> = sessions.iter().map(|session| (&session.state().data, session.units())).collect();
+    let (normals, places) = (normals(mesh), size[0] as usize * size[1] as usize);
+
+    check_size(uvs, size, memory)?;
     let of_face = |face: usize| -> Vec<(usize, [(f64, bool); 4])> {
         let corners = mesh.triangles[face].map(|v| v as usize);
         let mix = |values: &[DVec3], weights: [f64; 3]| -> DVec3 {
             corners.iter().zip(weights).map(|(&v, weight)| weight * values[v]).sum()
         };
         let found = texels(size, &uvs[face].map(|[u, v]| [u, 1.0 - v]));
-        let depth = |w: [f64; 3]| down(mix(&mesh.positions, w), mix(&normals, w).normalize_or_zero());
+        let depth = |w: [f64; 3]| down(&below, mix(&mesh.positions, w), mix(&normals, w).normalize_or_zero());
         found.into_iter().map(|(texel, weights)| (texel, depth(weights))).collect()
     };
     let mut depths: Vec<Option<[f64; 4]>> = vec![None; places];
@@ -111,7 +121,7 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> R
         // A batch of triangles: as many as cover the map once, at least one.
         let mut room = places as f64;
         let fit = |uvs: &&[[f64; 2]; 3]| {
-            room -= across(uvs);
+            room -= across(uvs, size);
             room >= 0.0
         };
         let end = done + uvs[done..].iter().take_while(fit).count().max(1);

@@ -7,7 +7,7 @@ use super::incremental::share_budget;
 use super::memory_estimate;
 use super::octree::OctreeTransport;
 use super::run::{Fixed, Session};
-use super::subdivide::subdivide;
+use super::subdivide::{Parts, subdivide};
 use super::walk::{WalkControl, WalkTransport, prepare_walk};
 use crate::error::Result;
 use crate::gpu::Device;
@@ -16,7 +16,7 @@ use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
 use crate::prepare::layers::drop_unlooked;
 use crate::prepare::reach::reach;
 use crate::prepare::receivers::{by_pixel, lit_at};
-use crate::prepare::scene::prepare;
+use crate::prepare::scene::{Prepared, prepare};
 use crate::prepare::shading::local;
 use crate::prepare::single_scattering::beside;
 use crate::prepare::texture_charts::{blur, unwrap};
@@ -47,45 +47,18 @@ impl Session {
     ) -> Result<Self> {
         memory_estimate::check(scene, options)?;
         beside(&scene.objects, options.transport)?;
-        let octree = match options.transport {
-            ShadingMethod::Octree => Some(OctreeTransport::new(&scene.transport)?),
-            _ => None,
-        };
-        let local = local(&scene.transport, options.transport);
+        let octree = (options.transport == ShadingMethod::Octree).then(|| OctreeTransport::new(&scene.transport));
+        let octree = octree.transpose()?;
         device.map_or(Ok(()), |_| holds(scene))?;
-        let units = Units::of(&scene.objects);
-        reach(&scene.objects, units)?;
-        let linked = matches!(options.transport, ShadingMethod::Hierarchy | ShadingMethod::Auto);
-        let blocks = scene.transport.scheme == Scheme::Blocks && linked;
-        // Subdivide where light and radiosity need it; code below sees only that scene.
-        let estimate = options.estimate && (blocks || options.transport == ShadingMethod::Diffusion);
-        let finer = if local.is_none() { subdivide(scene, options, estimate)? } else { None };
-        let (asked, (scene, parts)) = match finer {
-            Some(finer) => (Some(scene.clone()), finer),
-            None => (None, (scene.clone(), Vec::new())),
-        };
-        if asked.is_some() {
-            memory_estimate::check(&scene, options)?;
-        }
+        reach(&scene.objects, Units::of(&scene.objects))?;
+        // Code below sees only the subdivided scene.
+        let (asked, scene, parts) = cut(scene, options)?;
         let choice =
             Choice::of(&scene, options.transport, before.as_deref().map(|before| (&before.choice, &before.scene)))?;
         let solves = choice.solves(&scene);
         let (by_pixel, why) = by_pixel(&scene, options);
         let known = before.as_deref().map(|before| (&before.scene, &before.prepared));
-        let shown = (by_pixel, lit_at(&scene, options));
-        let mut prepared = phase("preparing the scene", || prepare(&scene, shown, (local, &solves), known));
-        blur(&mut prepared, &scene, unwrap(&scene, local)?);
-        if options.transport == ShadingMethod::Walk {
-            prepare_walk(&mut prepared, &scene, WalkControl::default())?;
-        }
-        drop_unseen(&mut prepared.state, options);
-        drop_unlooked(&mut prepared.state, options);
-        prepared.state.keep = options.mode != Mode::OnTheFly || solves.contains(&true);
-        prepared.state.method.estimate = options.estimate && (blocks || solves.contains(&true));
-        prepared.state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
-        prepared.state.method.incremental =
-            options.mode == Mode::Incremental && options.transport == ShadingMethod::Hierarchy && !blocks;
-        share_budget(&mut prepared.state, scene.transport.budget)?;
+        let mut prepared = prepared(&scene, options, (by_pixel, &solves), known)?;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
         let plan = choice.told(Plan::new(&prepared.state, options).without(receivers.clone()));
         // Links and form factors are separate lists, and everything else needs memory as well.
@@ -100,7 +73,6 @@ impl Session {
         };
         let (retries, relinks) = before.as_deref().map_or((0, 0), |before| (before.retries, before.relinks));
         let held = before.as_deref().and_then(|before| before.held);
-        let fixed = Fixed { asked, options, room, receivers };
         let mut session = Self {
             prepared,
             plan,
@@ -124,15 +96,9 @@ impl Session {
             walk: WalkTransport::default(),
             solves: Vec::new(),
             choice,
-            fixed,
+            fixed: Fixed { asked, options, room, receivers },
         };
-        let fits = match options.transport {
-            ShadingMethod::Hierarchy | ShadingMethod::Auto | ShadingMethod::Diffusion => {
-                session.lists.too_much(&session.prepared.state)
-            }
-            _ => Ok(()),
-        };
-        let sized = fits.and_then(|()| session.resize());
+        let sized = session.fits().and_then(|()| session.resize());
         match (session.unless_too_much(sized), before) {
             (Ok(_), _) => Ok(session),
             (Err(error), None) => Err(error),
@@ -143,4 +109,59 @@ impl Session {
             }
         }
     }
+
+    /// Whether its lists fit at all.
+    fn fits(&self) -> Result<()> {
+        match self.fixed.options.transport {
+            ShadingMethod::Hierarchy | ShadingMethod::Auto | ShadingMethod::Diffusion => {
+                self.lists.too_much(&self.prepared.state)
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether light is carried between blocks.
+fn blocks(scene: &Scene, options: Options) -> bool {
+    let linked = matches!(options.transport, ShadingMethod::Hierarchy | ShadingMethod::Auto);
+    scene.transport.scheme == Scheme::Blocks && linked
+}
+
+/// The scene as it was asked for, if it has to be subdivided; the scene to use, and the parts of its triangles.
+fn cut(scene: &Scene, options: Options) -> Result<(Option<Scene>, Scene, Vec<Parts>)> {
+    let estimate = options.estimate && (blocks(scene, options) || options.transport == ShadingMethod::Diffusion);
+    let finer = match local(&scene.transport, options.transport) {
+        None => subdivide(scene, options, estimate)?,
+        Some(_) => None,
+    };
+    let Some((finer, parts)) = finer else { return Ok((None, scene.clone(), Vec::new())) };
+    memory_estimate::check(&finer, options)?;
+    Ok((Some(scene.clone()), finer, parts))
+}
+
+/// The state of a scene for a method, with what an earlier one has in common with it.
+fn prepared(
+    scene: &Scene,
+    options: Options,
+    (by_pixel, solves): (bool, &[bool]),
+    known: Option<(&Scene, &Prepared)>,
+) -> Result<Prepared> {
+    let local = local(&scene.transport, options.transport);
+    let shown = (by_pixel, lit_at(scene, options));
+    let mut prepared = phase("preparing the scene", || prepare(scene, shown, (local, solves), known));
+    blur(&mut prepared, scene, unwrap(scene, local)?);
+    if options.transport == ShadingMethod::Walk {
+        prepare_walk(&mut prepared, scene, WalkControl::default())?;
+    }
+    let state = &mut prepared.state;
+    drop_unseen(state, options);
+    drop_unlooked(state, options);
+    let (blocks, solves) = (blocks(scene, options), solves.contains(&true));
+    state.keep = options.mode != Mode::OnTheFly || solves;
+    state.method.estimate = options.estimate && (blocks || solves);
+    state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
+    state.method.incremental =
+        options.mode == Mode::Incremental && options.transport == ShadingMethod::Hierarchy && !blocks;
+    share_budget(state, scene.transport.budget)?;
+    Ok(prepared)
 }

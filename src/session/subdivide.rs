@@ -46,14 +46,8 @@ pub fn subdivide(scene: &Scene, options: Options, estimate: bool) -> Result<Opti
         return Ok(None);
     }
     let mut fine = scene.clone();
-    // Subdivide the deformed shape, so that parts lie on it and stay connected.
-    let units = Units::of(&scene.objects);
-    for object in fine.objects.iter_mut().filter(|_| scene.transport.subdivide > 0) {
-        if let Some(places) = moved(object, units) {
-            let own = units.own(object);
-            object.mesh.positions = places.into_iter().map(|p| own.outside(p)).collect();
-        }
-        object.deforms.clear();
+    if scene.transport.subdivide > 0 {
+        deform(&mut fine);
     }
     let divided = |object: &Object| match divides(&fine, object, options) {
         true => divide(&object.mesh, &object.material, &scene.memory),
@@ -107,6 +101,18 @@ pub fn subdivide(scene: &Scene, options: Options, estimate: bool) -> Result<Opti
         }
     }
     Ok(Some((fine, parts)))
+}
+
+/// Gives the meshes their deformed shapes, so that parts lie on them and stay connected.
+fn deform(scene: &mut Scene) {
+    let units = Units::of(&scene.objects);
+    for object in &mut scene.objects {
+        if let Some(places) = moved(object, units) {
+            let own = units.own(object);
+            object.mesh.positions = places.into_iter().map(|p| own.outside(p)).collect();
+        }
+        object.deforms.clear();
+    }
 }
 
 /// Whether an object of a scene is one whose triangles are divided where they are long.

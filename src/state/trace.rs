@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::State;
 use super::device::{Call, DeviceState, Groups};
+use super::{Scope, State};
 use crate::error::Result;
 use crate::gpu::{BufferRange, Recorder, Work, download};
 use crate::layout::BufferId;
@@ -70,25 +70,9 @@ impl DeviceState {
     ) -> Result<()> {
         let kernel = self.kernels().get(call.kernel, call.constants)?;
         let bound: Vec<_> = self.bound(&kernel, state, call.at).collect();
-        let read = |range: BufferRange<'_>| -> Result<Vec<u8>> {
-            let mut bytes = vec![0; range.size as usize];
-            download(self.device(), &[range], |part| {
-                bytes[part.offset..part.offset + part.bytes.len()].copy_from_slice(part.bytes);
-            })?;
-            Ok(bytes)
-        };
         let groups = match call.groups {
             Groups::Invocations(count) => kernel.grid(count as u64),
-            Groups::Counted { slot, element } => match self.counted(state, call.at, (slot, element)) {
-                Some(range) => match way {
-                    Way::Run(_) => bytemuck::pod_read_unaligned(&read(range)?),
-                    Way::List(after) => {
-                        let bytes = after.data.bytes(slot).get(range.offset as usize..).unwrap_or_default();
-                        bytes.get(..12).map_or([0; 3], bytemuck::pod_read_unaligned)
-                    }
-                },
-                None => return Ok(()),
-            },
+            Groups::Counted { slot, element } => self.read_groups(state, call.at, (slot, element), way)?,
         };
         if groups.contains(&0) {
             return Ok(());
@@ -108,7 +92,7 @@ impl DeviceState {
                 // An earlier dispatch binds less, and has not touched the rest.
                 let known = part.1.len() as u64;
                 let (offset, size) = (binding.offset + known, binding.size - known);
-                part.1.extend(read(BufferRange { buffer: binding.buffer, offset, size })?);
+                part.1.extend(self.read(BufferRange { buffer: binding.buffer, offset, size })?);
             }
             let (reads, writes) = (access.reads, access.writes);
             dispatch.bindings.push(TracedBinding {
@@ -131,10 +115,37 @@ impl DeviceState {
         for ((slot, binding), own) in bound.iter().zip(&dispatch.bindings) {
             if own.writes && !dispatch.after.iter().any(|(known, _)| known == slot) {
                 let range = BufferRange { buffer: binding.buffer, offset: binding.offset, size: binding.size };
-                dispatch.after.push((*slot, read(range)?));
+                dispatch.after.push((*slot, self.read(range)?));
             }
         }
         trace.dispatches.push(dispatch);
         Ok(())
+    }
+
+    /// The groups of an indirect dispatch that this element counts; none where it has no part of that buffer.
+    fn read_groups(
+        &self,
+        state: &State,
+        at: Scope,
+        (slot, element): (BufferId, usize),
+        way: &Way<'_>,
+    ) -> Result<[u32; 3]> {
+        let Some(range) = self.counted(state, at, (slot, element)) else { return Ok([0; 3]) };
+        Ok(match way {
+            Way::Run(_) => bytemuck::pod_read_unaligned(&self.read(range)?),
+            Way::List(after) => {
+                let bytes = after.data.bytes(slot).get(range.offset as usize..).unwrap_or_default();
+                bytes.get(..12).map_or([0; 3], bytemuck::pod_read_unaligned)
+            }
+        })
+    }
+
+    /// The bytes of a part of a buffer.
+    fn read(&self, range: BufferRange<'_>) -> Result<Vec<u8>> {
+        let mut bytes = vec![0; range.size as usize];
+        download(self.device(), &[range], |part| {
+            bytes[part.offset..part.offset + part.bytes.len()].copy_from_slice(part.bytes);
+        })?;
+        Ok(bytes)
     }
 }

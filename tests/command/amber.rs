@@ -49,153 +49,19 @@ pub fn check(text: &str, folder: &Path) -> Result<Script, String> {
     if lines.next().map(|(_, line)| line) != Some("#!amber") {
         return Err("the first line is not #!amber".into());
     }
-    let mut script = Script::default();
-    let (mut shaders, mut data, mut open, mut pushes) = (Vec::new(), None::<usize>, None::<(bool, Vec<u32>)>, 0);
+    let mut reader = Reader { folder, script: Script::default(), shaders: Vec::new(), data: None, open: None };
     for (at, line) in lines {
         let code = line.split('#').next().unwrap();
         let words: Vec<&str> = code.split_whitespace().collect();
-        if words.is_empty() {
-            continue;
-        }
-        let mut body = || -> Result<(), String> {
-            if let Some(count) = &mut data {
-                if words == ["END"] {
-                    let count = data.take().unwrap();
-                    script.buffers.values_mut().filter(|b| b.1 == usize::MAX).for_each(|b| b.1 = count);
-                    return if count > 0 { Ok(()) } else { Err("no data".into()) };
-                }
-                for word in &words {
-                    number::<u32>(Some(word))?;
-                    *count += 1;
-                }
-                return Ok(());
-            }
-            if let Some((attached, bound)) = &mut open {
-                match words[..] {
-                    ["END"] if *attached => open = None,
-                    ["ATTACH", shader, ref rest @ ..] if !*attached => {
-                        *attached = true;
-                        if !shaders.contains(&shader.to_string()) || !rest.len().is_multiple_of(5) {
-                            return Err("what is attached".into());
-                        }
-                        for (id, special) in rest.chunks(5).enumerate() {
-                            if special[0] != "SPECIALIZE" || special[2] != "AS" || special[3] != "uint32" {
-                                return Err("SPECIALIZE id AS uint32 value".into());
-                            }
-                            if number::<usize>(special.get(1))? != id {
-                                return Err("constants are not in order".into());
-                            }
-                            number::<u32>(special.get(4))?;
-                        }
-                    }
-                    ["BIND", "BUFFER", buffer, "AS", "push_constant"] => {
-                        pushes += 1;
-                        let known = script.buffers.get(buffer).ok_or("the buffer is not declared")?;
-                        if !*attached || known.0 != "uint32" {
-                            return Err("push constants".into());
-                        }
-                    }
-                    ["BIND", "BUFFER", buffer, "AS", "storage", "DESCRIPTOR_SET", "0", "BINDING", ref rest @ ..] => {
-                        let own = number::<u32>(rest.first())?;
-                        let known = script.buffers.get(buffer).ok_or("the buffer is not declared")?;
-                        if !*attached || bound.contains(&own) {
-                            return Err("bound twice, or before ATTACH".into());
-                        }
-                        bound.push(own);
-                        match rest[1..] {
-                            [] => {}
-                            ["DESCRIPTOR_RANGE", range] if number::<usize>(Some(&range))? < 4 * known.1 => {}
-                            _ => return Err("what follows BINDING".into()),
-                        }
-                    }
-                    _ => return Err("not a line of a pipeline".into()),
-                }
-                return Ok(());
-            }
-            match words[..] {
-                ["SHADER", "compute", shader, "SPIRV-BIN", "FILE", file] => {
-                    let bytes = std::fs::read(folder.join(file)).map_err(|e| e.to_string())?;
-                    if bytes.get(..4) != Some(&0x0723_0203u32.to_le_bytes()[..]) {
-                        return Err("no SPIR-V".into());
-                    }
-                    shaders.push(name(Some(&shader))?);
-                }
-                ["BUFFER", buffer, "DATA_TYPE", kind, ref rest @ ..] => {
-                    let buffer = name(Some(&buffer))?;
-                    let count = match *rest {
-                        ["DATA"] => {
-                            data = Some(0);
-                            usize::MAX
-                        }
-                        ["SIZE", count, "FILE", "BINARY", file] => {
-                            let size = std::fs::metadata(folder.join(file)).map_err(|e| e.to_string())?.len();
-                            let count: usize = number(Some(&count))?;
-                            if count == 0 || size != 4 * count as u64 {
-                                return Err(format!("{file} has {size} bytes"));
-                            }
-                            count
-                        }
-                        _ => return Err("an initializer".into()),
-                    };
-                    if !["uint32", "float"].contains(&kind)
-                        || script.buffers.insert(buffer, (kind.into(), count)).is_some()
-                    {
-                        return Err("type, or declared twice".into());
-                    }
-                }
-                ["PIPELINE", "compute", pipeline] => {
-                    script.pipelines.push(name(Some(&pipeline))?);
-                    open = Some((false, Vec::new()));
-                }
-                ["SET", "ENGINE_DATA", "fence_timeout_ms", time] => {
-                    if script.fence.replace(number::<u32>(Some(&time))?).is_some() {
-                        return Err("set twice".into());
-                    }
-                }
-                ["RUN", pipeline, ref groups @ ..] if groups.len() == 3 => {
-                    if !script.pipelines.iter().any(|known| known == pipeline) {
-                        return Err("no such pipeline".into());
-                    }
-                    let groups = [0, 1, 2].map(|k| number::<u32>(groups.get(k)).unwrap_or(0));
-                    if groups.contains(&0) {
-                        return Err("groups".into());
-                    }
-                    script.runs.push((pipeline.into(), groups));
-                }
-                ["EXPECT", left, "EQ_BUFFER", right] => {
-                    if !script.buffers.contains_key(left) || script.buffers.get(left) != script.buffers.get(right) {
-                        return Err("other buffers".into());
-                    }
-                    script.expectations += 1;
-                }
-                ["EXPECT", buffer, "IDX", index, ref rest @ ..] => {
-                    let known = script.buffers.get(buffer).ok_or("the buffer is not declared")?;
-                    let index: usize = number(Some(&index))?;
-                    let values = match *rest {
-                        ["EQ", ref values @ ..] if known.0 == "uint32" => {
-                            values.iter().try_for_each(|value| number::<u32>(Some(value)).map(drop))?;
-                            values.len()
-                        }
-                        ["TOLERANCE", tolerance, "EQ", value] if known.0 == "float" => {
-                            float(Some(&value))?;
-                            if float(Some(&tolerance))? < 0.0 {
-                                return Err("a negative tolerance".into());
-                            }
-                            1
-                        }
-                        _ => return Err("a comparison".into()),
-                    };
-                    if !index.is_multiple_of(4) || values == 0 || index / 4 + values > known.1 {
-                        return Err("beyond the buffer".into());
-                    }
-                    script.expectations += 1;
-                }
-                _ => return Err("not a command".into()),
-            }
-            Ok(())
+        let taken = match () {
+            () if words.is_empty() => Ok(()),
+            () if reader.data.is_some() => reader.data(&words),
+            () if reader.open.is_some() => reader.pipeline(&words),
+            () => reader.command(&words),
         };
-        body().map_err(|fault| format!("line {}: {fault}: {line}", at + 1))?;
+        taken.map_err(|fault| format!("line {}: {fault}: {line}", at + 1))?;
     }
+    let Reader { script, data, open, .. } = reader;
     // What is to end at all needs no comparison.
     let nothing = script.expectations == 0 && script.fence.is_none();
     match (data.is_none() && open.is_none(), script.runs.is_empty() || nothing) {
@@ -203,6 +69,172 @@ pub fn check(text: &str, folder: &Path) -> Result<Script, String> {
         (_, true) => Err("nothing is run, or nothing compared".into()),
         _ => Ok(script),
     }
+}
+
+/// What is known after some lines.
+struct Reader<'a> {
+    folder: &'a Path,
+    script: Script,
+    shaders: Vec<String>,
+    /// Items so far of a buffer whose data are being listed.
+    data: Option<usize>,
+    /// Whether a shader is attached to the pipeline being declared, and its bindings.
+    open: Option<(bool, Vec<u32>)>,
+}
+
+impl Reader<'_> {
+    fn data(&mut self, words: &[&str]) -> Result<(), String> {
+        let mut count = self.data.take().unwrap();
+        if words == ["END"] {
+            self.script.buffers.values_mut().filter(|b| b.1 == usize::MAX).for_each(|b| b.1 = count);
+            return if count > 0 { Ok(()) } else { Err("no data".into()) };
+        }
+        for word in words {
+            number::<u32>(Some(word))?;
+            count += 1;
+        }
+        self.data = Some(count);
+        Ok(())
+    }
+
+    fn pipeline(&mut self, words: &[&str]) -> Result<(), String> {
+        let (attached, bound) = self.open.as_mut().unwrap();
+        match words[..] {
+            ["END"] if *attached => self.open = None,
+            ["ATTACH", shader, ref rest @ ..] if !*attached => {
+                *attached = true;
+                if !self.shaders.contains(&shader.to_string()) || !rest.len().is_multiple_of(5) {
+                    return Err("what is attached".into());
+                }
+                specialized(rest)?;
+            }
+            ["BIND", "BUFFER", buffer, "AS", "push_constant"] => {
+                let known = self.script.buffers.get(buffer).ok_or("the buffer is not declared")?;
+                if !*attached || known.0 != "uint32" {
+                    return Err("push constants".into());
+                }
+            }
+            ["BIND", "BUFFER", buffer, "AS", "storage", "DESCRIPTOR_SET", "0", "BINDING", ref rest @ ..] => {
+                let own = number::<u32>(rest.first())?;
+                let known = self.script.buffers.get(buffer).ok_or("the buffer is not declared")?;
+                if !*attached || bound.contains(&own) {
+                    return Err("bound twice, or before ATTACH".into());
+                }
+                bound.push(own);
+                match rest[1..] {
+                    [] => {}
+                    ["DESCRIPTOR_RANGE", range] if number::<usize>(Some(&range))? < 4 * known.1 => {}
+                    _ => return Err("what follows BINDING".into()),
+                }
+            }
+            _ => return Err("not a line of a pipeline".into()),
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, words: &[&str]) -> Result<(), String> {
+        match words[..] {
+            ["SHADER", "compute", shader, "SPIRV-BIN", "FILE", file] => {
+                let bytes = std::fs::read(self.folder.join(file)).map_err(|e| e.to_string())?;
+                if bytes.get(..4) != Some(&0x0723_0203u32.to_le_bytes()[..]) {
+                    return Err("no SPIR-V".into());
+                }
+                self.shaders.push(name(Some(&shader))?);
+            }
+            ["BUFFER", buffer, "DATA_TYPE", kind, ref rest @ ..] => self.buffer(buffer, kind, rest)?,
+            ["PIPELINE", "compute", pipeline] => {
+                self.script.pipelines.push(name(Some(&pipeline))?);
+                self.open = Some((false, Vec::new()));
+            }
+            ["SET", "ENGINE_DATA", "fence_timeout_ms", time] => {
+                if self.script.fence.replace(number::<u32>(Some(&time))?).is_some() {
+                    return Err("set twice".into());
+                }
+            }
+            ["RUN", pipeline, ref groups @ ..] if groups.len() == 3 => {
+                if !self.script.pipelines.iter().any(|known| known == pipeline) {
+                    return Err("no such pipeline".into());
+                }
+                let groups = [0, 1, 2].map(|k| number::<u32>(groups.get(k)).unwrap_or(0));
+                if groups.contains(&0) {
+                    return Err("groups".into());
+                }
+                self.script.runs.push((pipeline.into(), groups));
+            }
+            ["EXPECT", left, "EQ_BUFFER", right] => {
+                if !self.script.buffers.contains_key(left)
+                    || self.script.buffers.get(left) != self.script.buffers.get(right)
+                {
+                    return Err("other buffers".into());
+                }
+                self.script.expectations += 1;
+            }
+            ["EXPECT", buffer, "IDX", index, ref rest @ ..] => self.expect(buffer, index, rest)?,
+            _ => return Err("not a command".into()),
+        }
+        Ok(())
+    }
+
+    fn buffer(&mut self, buffer: &str, kind: &str, rest: &[&str]) -> Result<(), String> {
+        let buffer = name(Some(&buffer))?;
+        let count = match *rest {
+            ["DATA"] => {
+                self.data = Some(0);
+                usize::MAX
+            }
+            ["SIZE", count, "FILE", "BINARY", file] => {
+                let size = std::fs::metadata(self.folder.join(file)).map_err(|e| e.to_string())?.len();
+                let count: usize = number(Some(&count))?;
+                if count == 0 || size != 4 * count as u64 {
+                    return Err(format!("{file} has {size} bytes"));
+                }
+                count
+            }
+            _ => return Err("an initializer".into()),
+        };
+        if !["uint32", "float"].contains(&kind) || self.script.buffers.insert(buffer, (kind.into(), count)).is_some() {
+            return Err("type, or declared twice".into());
+        }
+        Ok(())
+    }
+
+    fn expect(&mut self, buffer: &str, index: &str, rest: &[&str]) -> Result<(), String> {
+        let known = self.script.buffers.get(buffer).ok_or("the buffer is not declared")?;
+        let index: usize = number(Some(&index))?;
+        let values = match *rest {
+            ["EQ", ref values @ ..] if known.0 == "uint32" => {
+                values.iter().try_for_each(|value| number::<u32>(Some(value)).map(drop))?;
+                values.len()
+            }
+            ["TOLERANCE", tolerance, "EQ", value] if known.0 == "float" => {
+                float(Some(&value))?;
+                if float(Some(&tolerance))? < 0.0 {
+                    return Err("a negative tolerance".into());
+                }
+                1
+            }
+            _ => return Err("a comparison".into()),
+        };
+        if !index.is_multiple_of(4) || values == 0 || index / 4 + values > known.1 {
+            return Err("beyond the buffer".into());
+        }
+        self.script.expectations += 1;
+        Ok(())
+    }
+}
+
+/// Reads the constants of a shader, which are in order.
+fn specialized(words: &[&str]) -> Result<(), String> {
+    for (id, special) in words.chunks(5).enumerate() {
+        if special[0] != "SPECIALIZE" || special[2] != "AS" || special[3] != "uint32" {
+            return Err("SPECIALIZE id AS uint32 value".into());
+        }
+        if number::<usize>(special.get(1))? != id {
+            return Err("constants are not in order".into());
+        }
+        number::<u32>(special.get(4))?;
+    }
+    Ok(())
 }
 
 #[test]

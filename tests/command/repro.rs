@@ -60,17 +60,7 @@ fn a_planted_fault_is_dumped_and_replayed() {
         bad(&here, &replay, 1, &["1 case fails"]);
         good(&here, &format!("{replay} --replace transport/blocks/push=sound.comp"));
     }
-    // A barrier that is missing within a kernel.
-    let kernel = "transport/blocks/coarse_solve/root";
-    let (source, _) = good(&here, &format!("shader {kernel}"));
-    std::fs::write(here.path().join("sound.comp"), &source).unwrap();
-    std::fs::write(here.path().join("bare.comp"), source.replace("barrier();", "")).unwrap();
-    let line = "conform --filter ^sphere.with.holes$ --no-validation";
-    let output = program(&here, &format!("{line} --replace {kernel}=bare.comp --dump bare")).output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{:?}", said(&output));
-    amber::read(&only(&here.path().join("bare")));
-    bad(&here, "replay bare --no-validation", 1, &["reference_level[0]", "1 case fails"]);
-    good(&here, &format!("replay bare --no-validation --replace {kernel}=sound.comp"));
+    a_missing_barrier_is_repeated(&here);
     planted(&here, "sound.comp", "max(sum, vec3(0))", "max(sum, vec3(0))");
     // Of many groups, the one that fails.
     planted(&here, "one.comp", "max(sum, vec3(0))", "max(sum, vec3(0)) * (group == 7 ? 0.5 : 1)");
@@ -90,6 +80,20 @@ fn a_planted_fault_is_dumped_and_replayed() {
     good(&here, "dump push --fixture sliver -o good --no-validation");
     bad(&here, "replay good --no-validation --replace transport/blocks/push=swap.spv", 1, &["radiosity["]);
     bad(&here, "replay good --no-validation --replace transport/blocks/pull=swap.spv", 2, &["--replace"]);
+}
+
+/// A barrier is missing within a kernel.
+fn a_missing_barrier_is_repeated(here: &tempfile::TempDir) {
+    let kernel = "transport/blocks/coarse_solve/root";
+    let (source, _) = good(here, &format!("shader {kernel}"));
+    std::fs::write(here.path().join("sound.comp"), &source).unwrap();
+    std::fs::write(here.path().join("bare.comp"), source.replace("barrier();", "")).unwrap();
+    let line = "conform --filter ^sphere.with.holes$ --no-validation";
+    let output = program(here, &format!("{line} --replace {kernel}=bare.comp --dump bare")).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{:?}", said(&output));
+    amber::read(&only(&here.path().join("bare")));
+    bad(here, "replay bare --no-validation", 1, &["reference_level[0]", "1 case fails"]);
+    good(here, &format!("replay bare --no-validation --replace {kernel}=sound.comp"));
 }
 
 #[test]

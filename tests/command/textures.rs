@@ -64,6 +64,30 @@ fn textures_of_files_and_libraries_go_on_as_they_are_told() {
     }
 }
 
+/// Scenes, settings that they refuse, and words of the messages.
+const BAD: &[(&str, &str, &[&str])] = &[
+    ("a.toml", "texture=gone.png", &["object.0.material.texture: ", "gone.png: the texture cannot be read; found "]),
+    ("a.toml", "texture=broken.png", &["object.0.material.texture: ", "broken.png: the texture cannot be read"]),
+    (
+        "a.toml",
+        "texture=a.gif",
+        &["not the name of a texture; found ", "a.gif", ".png, .jpg, .exr or .hdr, mtl, mesh, or builtin:"],
+    ),
+    ("a.toml", "texture=high.exr", &["texel (1, 0), from the top left, is no albedo; found [0.5, inf, 0.5]", "0 to 1"]),
+    ("a.toml", "texture=nan.exr", &["is no albedo; found [0.5, NaN, 0.5]"]),
+    ("a.toml", "texture=long.png", &["too few or too many texels; found 16385 x 1", "8388608 texels, at most 16384 a"]),
+    ("a.toml", "texture=mtl", &["a.mtl: one material with a texture", "found 2: a, b"]),
+    ("d.obj", "texture=mtl", &["object.0.material.texture: d.obj: the mesh names no material library"]),
+    ("c.obj", "texture=builtin:checker", &["c.obj:11: object.0.material.texture: the mesh has no texture coordinates"]),
+    ("sphere", "texture=mtl", &["object.0.material.texture: a shape has neither a material library"]),
+    ("sphere", "texture=builtin:chekcer", &["built in, did you mean `builtin:checker`?", "builtin:tiles"]),
+    ("sphere", "texture_on=entry", &["object.0.material.texture_on: the material has no texture; expected a `tex"]),
+    ("sphere", "texture_wrap=clamp", &["object.0.material.texture_wrap: the material has no texture"]),
+    ("sphere", "texture_on=exti", &["unknown value, did you mean `exit`?", "expected entry, exit, both"]),
+    ("sphere", "texture_wrap=tile", &["unknown value; found tile; expected repeat, clamp, mirror"]),
+    ("sphere", "texture=3", &["object.0.material.texture=3", "invalid type; found integer `3`"]),
+];
+
 #[test]
 fn bad_textures_are_named() {
     let here = sheet("newmtl a\nmap_Kd two.png\nnewmtl b\nmap_Kd b.png\n");
@@ -76,45 +100,7 @@ fn bad_textures_are_named() {
         exr::prelude::write_rgb_file(here.path().join(name), 2, 1, pixel).unwrap();
     }
     image::GrayImage::new(16_385, 1).save(here.path().join("long.png")).unwrap();
-    let cases: &[(&str, &str, &[&str])] = &[
-        (
-            "a.toml",
-            "texture=gone.png",
-            &["object.0.material.texture: ", "gone.png: the texture cannot be read; found "],
-        ),
-        ("a.toml", "texture=broken.png", &["object.0.material.texture: ", "broken.png: the texture cannot be read"]),
-        (
-            "a.toml",
-            "texture=a.gif",
-            &["not the name of a texture; found ", "a.gif", ".png, .jpg, .exr or .hdr, mtl, mesh, or builtin:"],
-        ),
-        (
-            "a.toml",
-            "texture=high.exr",
-            &["texel (1, 0), from the top left, is no albedo; found [0.5, inf, 0.5]", "0 to 1"],
-        ),
-        ("a.toml", "texture=nan.exr", &["is no albedo; found [0.5, NaN, 0.5]"]),
-        (
-            "a.toml",
-            "texture=long.png",
-            &["too few or too many texels; found 16385 x 1", "8388608 texels, at most 16384 a"],
-        ),
-        ("a.toml", "texture=mtl", &["a.mtl: one material with a texture", "found 2: a, b"]),
-        ("d.obj", "texture=mtl", &["object.0.material.texture: d.obj: the mesh names no material library"]),
-        (
-            "c.obj",
-            "texture=builtin:checker",
-            &["c.obj:11: object.0.material.texture: the mesh has no texture coordinates"],
-        ),
-        ("sphere", "texture=mtl", &["object.0.material.texture: a shape has neither a material library"]),
-        ("sphere", "texture=builtin:chekcer", &["built in, did you mean `builtin:checker`?", "builtin:tiles"]),
-        ("sphere", "texture_on=entry", &["object.0.material.texture_on: the material has no texture; expected a `tex"]),
-        ("sphere", "texture_wrap=clamp", &["object.0.material.texture_wrap: the material has no texture"]),
-        ("sphere", "texture_on=exti", &["unknown value, did you mean `exit`?", "expected entry, exit, both"]),
-        ("sphere", "texture_wrap=tile", &["unknown value; found tile; expected repeat, clamp, mirror"]),
-        ("sphere", "texture=3", &["object.0.material.texture=3", "invalid type; found integer `3`"]),
-    ];
-    for (scene, set, words) in cases {
+    for (scene, set, words) in BAD {
         bad(&here, &format!("render {scene} --device cpu --set object.0.material.{set} -o x.png"), 2, words);
     }
     // A fault in a scene file is reported with its line, also where it concerns another file.

@@ -41,42 +41,72 @@ fn turned() -> Case {
     })
 }
 
+fn sky(background: &str) -> Case {
+    with(ball(&["light.0={type='environment',radiance=1}", &format!("camera.background={background}")]))
+}
+
+fn tiles(side: &str) -> Case {
+    with(ball(&["object.0.material.texture=builtin:tiles", &format!("object.0.material.texture_on={side}")]))
+}
+
+fn on_a_table(receivers: &str) -> Scene {
+    small("candle", &["object.0.detail=16", &format!("transport.receivers={receivers}")])
+}
+
+/// Without opaque objects.
+fn alone(scene: Scene) -> Case {
+    changed(scene, |scene| scene.objects.retain(|object| object.material.opaque.is_none()))
+}
+
+fn reflects(reflection: Reflection) -> Case {
+    changed(ball(&[]), move |scene| scene.objects[0].material.surface.reflection = reflection)
+}
+
+fn options(options: Options) -> Case {
+    (ball(&[]), options)
+}
+
+/// Without a picture.
+fn unseen(sets: &[&str]) -> Case {
+    (ball(sets), Options { goal: Goal::Radiosity, ..Options::default() })
+}
+
+fn links() -> Case {
+    with(ball(&["transport.scheme=links"]))
+}
+
+fn incremental(mode: Mode) -> Case {
+    let scene = ball(&["transport.scheme=links", "transport.budget=9000", "object.0.deform=[{type='twist',angle=30}]"]);
+    (scene, Options { mode, ..Options::default() })
+}
+
+fn blurred(transport: ShadingMethod) -> Case {
+    (ball(&["transport.unwrap=true", "transport.blur_texture=32"]), Options { transport, ..Options::default() })
+}
+
+fn local(cdrf: &str) -> Case {
+    let scene = ball(&[&format!("transport.cdrf={cdrf}"), "transport.cdrf_table=16"]);
+    (scene, Options { transport: ShadingMethod::Cdrf, ..Options::default() })
+}
+
 /// Stages, buffers, a frame with the feature, a frame without it.
 pub type Feature = (&'static [&'static str], &'static [BufferId], Case, Case);
 
 /// Each feature: the stages and buffers that only it needs, a frame with it, and the same frame without it.
 pub fn features() -> Vec<Feature> {
-    let sky = |background: bool| {
-        let environment = format!("camera.background={}", if background { "environment" } else { "[0,0,0]" });
-        ball(&["light.0={type='environment',radiance=1}", &environment])
-    };
-    let tiles =
-        |on: &str| ball(&["object.0.material.texture=builtin:tiles", &format!("object.0.material.texture_on={on}")]);
+    [scenes(), pictures(), lists(), transports(), shading()].concat()
+}
+
+/// Of lights, materials and shapes.
+fn scenes() -> Vec<Feature> {
     let layered = || small("slab-layers", &["object.0.detail=4"]);
     let twisted = ball(&["object.0.deform=[{type='twist',angle=30}]"]);
-    let reflects =
-        |reflection| changed(ball(&[]), move |scene| scene.objects[0].material.surface.reflection = reflection);
-    let on_a_table =
-        |receivers: &str| small("candle", &["object.0.detail=16", &format!("transport.receivers={receivers}")]);
-    let alone = |scene| changed(scene, |scene| scene.objects.retain(|object| object.material.opaque.is_none()));
-    let options = |options: Options| (ball(&[]), options);
-    let links = || with(ball(&["transport.scheme=links"]));
-    let incremental =
-        || ball(&["transport.scheme=links", "transport.budget=9000", "object.0.deform=[{type='twist',angle=30}]"]);
-    let blurred = |transport| {
-        let scene = ball(&["transport.unwrap=true", "transport.blur_texture=32"]);
-        (scene, Options { transport, ..Options::default() })
-    };
-    let local = |cdrf: &str| {
-        let scene = ball(&[&format!("transport.cdrf={cdrf}"), "transport.cdrf_table=16"]);
-        (scene, Options { transport: ShadingMethod::Cdrf, ..Options::default() })
-    };
     vec![
         (&["shadow"], &[BufferId::lit, BufferId::cut_short], with(ball(&[])), with(ball(&["light.0.shadows=false"]))),
-        (&["environment"], &[BufferId::sky, BufferId::harmonics], with(sky(false)), with(ball(&[]))),
-        (&["backdrop"], &[], with(sky(true)), with(sky(false))),
-        (&["texture_in"], &[BufferId::texels, BufferId::corner_uvs], with(tiles("entry")), with(ball(&[]))),
-        (&["texture_out"], &[BufferId::texels, BufferId::corner_uvs], with(tiles("exit")), with(ball(&[]))),
+        (&["environment"], &[BufferId::sky, BufferId::harmonics], sky("[0,0,0]"), with(ball(&[]))),
+        (&["backdrop"], &[], sky("environment"), sky("[0,0,0]")),
+        (&["texture_in"], &[BufferId::texels, BufferId::corner_uvs], tiles("entry"), with(ball(&[]))),
+        (&["texture_out"], &[BufferId::texels, BufferId::corner_uvs], tiles("exit"), with(ball(&[]))),
         (
             &["plane_fit", "relief"],
             &[
@@ -108,6 +138,12 @@ pub fn features() -> Vec<Feature> {
             turned(),
             with(ball(&[])),
         ),
+    ]
+}
+
+/// Of pictures.
+fn pictures() -> Vec<Feature> {
+    vec![
         (&["reflect"], &[], reflects(Reflection::Phong { shininess: 9 }), reflects(Reflection::None)),
         (&["opaque_faces"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),
         (&["shade_opaque"], &[], with(on_a_table("pixels")), alone(on_a_table("pixels"))),
@@ -125,18 +161,16 @@ pub fn features() -> Vec<Feature> {
             with(ball(&[])),
         ),
         (&["average"], &[], with(ball(&[])), changed(ball(&[]), |scene| scene.transport.receivers = Receivers::Pixels)),
-        (
-            &["visibility", "shade"],
-            &[BufferId::hits, BufferId::radiance],
-            with(ball(&[])),
-            options(Options { goal: Goal::Radiosity, ..Options::default() }),
-        ),
-        (
-            &["widen"],
-            &[BufferId::wide_boxes],
-            options(Options { goal: Goal::Radiosity, ..Options::default() }),
-            (ball(&["light.0.shadows=false"]), Options { goal: Goal::Radiosity, ..Options::default() }),
-        ),
+        (&["visibility", "shade"], &[BufferId::hits, BufferId::radiance], with(ball(&[])), unseen(&[])),
+        (&["widen"], &[BufferId::wide_boxes], unseen(&[]), unseen(&["light.0.shadows=false"])),
+        (&["accumulate"], &[BufferId::mean], changed(ball(&[]), |scene| scene.camera.samples = 3), with(ball(&[]))),
+        (&["tone"], &[BufferId::shown, BufferId::tones], with(ball(&[])), unseen(&[])),
+    ]
+}
+
+/// Of lists of links.
+fn lists() -> Vec<Feature> {
+    vec![
         (&["irradiance_ratio"], &[], options(Options { mode: Mode::Render, ..Options::default() }), with(ball(&[]))),
         (
             &["pull", "coarse_solve", "acceptance_radii", "link", "gather", "push"],
@@ -167,28 +201,15 @@ pub fn features() -> Vec<Feature> {
                 BufferId::stale,
                 BufferId::stale_counts,
             ],
-            (incremental(), Options { mode: Mode::Incremental, ..Options::default() }),
-            (incremental(), Options { mode: Mode::Render, ..Options::default() }),
+            incremental(Mode::Incremental),
+            incremental(Mode::Render),
         ),
-        (&["accumulate"], &[BufferId::mean], changed(ball(&[]), |scene| scene.camera.samples = 3), with(ball(&[]))),
-        (
-            &["tone"],
-            &[BufferId::shown, BufferId::tones],
-            with(ball(&[])),
-            options(Options { goal: Goal::Radiosity, ..Options::default() }),
-        ),
-        (
-            &["bake_irradiance", "blur", "texture_blur"],
-            &[
-                BufferId::texel_hits,
-                BufferId::gaussians,
-                BufferId::irradiance_maps,
-                BufferId::stretch,
-                BufferId::blurred_rows,
-            ],
-            blurred(ShadingMethod::TextureBlur),
-            blurred(ShadingMethod::Lambert),
-        ),
+    ]
+}
+
+/// Of transport without lists, and without any light to carry.
+fn transports() -> Vec<Feature> {
+    vec![
         (&["brute"], &[], carried(ShadingMethod::Brute), with(ball(&[]))),
         (
             &["entry_sums", "clearance", "random_walk", "exit_radiosity"],
@@ -223,6 +244,24 @@ pub fn features() -> Vec<Feature> {
         (&["gather", "push"], &[], with(ball(&[])), carried(ShadingMethod::Diffusion)),
         (&["pull", "gather", "push"], &[BufferId::moments], with(ball(&[])), carried(ShadingMethod::Octree)),
         (&["irradiance"], &[BufferId::lit], with(ball(&[])), changed(ball(&[]), |scene| scene.lights.clear())),
+    ]
+}
+
+/// Of local shading.
+fn shading() -> Vec<Feature> {
+    vec![
+        (
+            &["bake_irradiance", "blur", "texture_blur"],
+            &[
+                BufferId::texel_hits,
+                BufferId::gaussians,
+                BufferId::irradiance_maps,
+                BufferId::stretch,
+                BufferId::blurred_rows,
+            ],
+            blurred(ShadingMethod::TextureBlur),
+            blurred(ShadingMethod::Lambert),
+        ),
         (&["curvature", "cdrf"], &[BufferId::curvature], carried(ShadingMethod::Cdrf), carried(ShadingMethod::Lambert)),
         (
             &["curvature_sums", "smooth_curvature"],

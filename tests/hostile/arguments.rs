@@ -2,58 +2,69 @@
 
 use super::Case;
 
+const BALL: &str = "sphere --set object.0.detail=0 --device cpu";
+
 pub fn cases() -> Vec<Case> {
-    let ball = "sphere --set object.0.detail=0 --device cpu";
-    let deep = format!("render {ball} -o a.png --set {}b=1", "a.".repeat(40_000));
-    let lines: Vec<(String, &'static str)> = vec![
+    let lines = [pictures(), other_commands()].concat();
+    lines.into_iter().map(|(line, words)| Case::new(&[], &line, words)).collect()
+}
+
+fn pictures() -> Vec<(String, &'static str)> {
+    let deep = format!("render {BALL} -o a.png --set {}b=1", "a.".repeat(40_000));
+    vec![
+        (format!("render {BALL} -o a.gif"), "-o: a picture's name says its format; found .gif; expected .png or .exr"),
+        (format!("render {BALL} -o ''"), "-o: a picture's name says its format"),
+        (format!("render {BALL} -o a.png --size 0x0"), "--size: not a picture size; found 0x0; expected WxH"),
+        (format!("render {BALL} -o a.png --size 16385x1"), "--size: not a picture size"),
+        (format!("render {BALL} -o a.png --size 99999999999999999999x1"), "--size: not a picture size"),
+        (format!("render {BALL} -o a.png --size 16384x16384"), "a frame does not fit the memory"),
+        (format!("render {BALL} -o a.png --size -4x4"), "unexpected argument '-4'"),
+        (format!("render {BALL} -o a.png --size 4x4 --set camera.samples=1e9"), "--set camera.samples=1e9"),
+        (format!("render {BALL} -o a.png --limit-memory 0"), "--limit-memory"),
+        (format!("render {BALL} -o a.png --limit-memory lots"), "--limit-memory"),
+        (format!("render {BALL} -o a.png --limit-memory 99999999T"), "--limit-memory"),
+        (format!("render {BALL} -o a.png --limit-memory 10K"), "a frame does not fit the memory"),
+        (format!("render {BALL} -o a-%d.png --frames 5..4"), "--frames: not a range of frames; found 5..4"),
+        (format!("render {BALL} -o a-%d.png --frames 0..99999999"), "--frames: not a range of frames"),
+        (format!("render {BALL} -o a.png --frames 0..3"), "--output: every frame needs a file of its own"),
+        (format!("render {BALL} -o %99999999999999999999d.png --frames 0..3"), "every frame needs a file of its own"),
+        (format!("render {BALL} -o a.png --frame nan"), "--frame: not a frame; found NaN"),
+        (format!("render {BALL} -o a.png --frame 1e999"), "--frame: not a frame; found inf"),
+        (format!("render {BALL} -o gone/a.png --size 4x4"), "gone/a.png: could not be written"),
+        (format!("render {BALL} -o a.png --view clusters"), "--pick: --view clusters and --pick X,Y go together"),
+        (format!("render {BALL} -o a.png --view clusters --pick 9999999,0"), "--pick"),
+        (format!("render {BALL} -o a.png --view clusters --pick -1,0"), "unexpected argument '-1'"),
+        (format!("render {BALL} -o a.png --aov"), "--aov: only OpenEXR has layers"),
+        (format!("render {BALL} -o a.png --transport teleport"), "--transport"),
+        (format!("render {BALL} -o a.png --mode sometimes"), "--mode"),
+        (format!("render {BALL} -o a.png --set object.0"), "--set object.0: not a setting"),
+        (format!("render {BALL} -o a.png --set object.999999999999.size=1"), "`object` is a list of 1"),
+        (format!("render {BALL} -o a.png --set =1"), "--set =1: an empty name"),
+        (deep, "a key of too many names; found 40001; expected at most 16"),
+        (format!("render {BALL} -o a.png --set x={}", "[".repeat(9000)), "unknown key"),
+        (format!("render {BALL} -o a.png --set transport.subdivide=99"), "transport.subdivide: out of range"),
+    ]
+}
+
+fn other_commands() -> Vec<(String, &'static str)> {
+    vec![
         (String::new(), "Usage"),
         ("rendr sphere".into(), "unrecognized subcommand"),
         ("render".into(), "required"),
         ("render sphere".into(), "required"),
-        (format!("render {ball} -o a.gif"), "-o: a picture's name says its format; found .gif; expected .png or .exr"),
-        (format!("render {ball} -o ''"), "-o: a picture's name says its format"),
-        (format!("render {ball} -o a.png --size 0x0"), "--size: not a picture size; found 0x0; expected WxH"),
-        (format!("render {ball} -o a.png --size 16385x1"), "--size: not a picture size"),
-        (format!("render {ball} -o a.png --size 99999999999999999999x1"), "--size: not a picture size"),
-        (format!("render {ball} -o a.png --size 16384x16384"), "a frame does not fit the memory"),
-        (format!("render {ball} -o a.png --size -4x4"), "unexpected argument '-4'"),
-        (format!("render {ball} -o a.png --size 4x4 --set camera.samples=1e9"), "--set camera.samples=1e9"),
-        (format!("render {ball} -o a.png --limit-memory 0"), "--limit-memory"),
-        (format!("render {ball} -o a.png --limit-memory lots"), "--limit-memory"),
-        (format!("render {ball} -o a.png --limit-memory 99999999T"), "--limit-memory"),
-        (format!("render {ball} -o a.png --limit-memory 10K"), "a frame does not fit the memory"),
         ("solve lotus -o a.csv --device cpu --limit-memory 1M".into(), "object: the shapes do not fit the memory"),
-        (format!("render {ball} -o a-%d.png --frames 5..4"), "--frames: not a range of frames; found 5..4"),
-        (format!("render {ball} -o a-%d.png --frames 0..99999999"), "--frames: not a range of frames"),
-        (format!("render {ball} -o a.png --frames 0..3"), "--output: every frame needs a file of its own"),
-        (format!("render {ball} -o %99999999999999999999d.png --frames 0..3"), "every frame needs a file of its own"),
-        (format!("render {ball} -o a.png --frame nan"), "--frame: not a frame; found NaN"),
-        (format!("render {ball} -o a.png --frame 1e999"), "--frame: not a frame; found inf"),
-        (format!("render {ball} -o gone/a.png --size 4x4"), "gone/a.png: could not be written"),
-        (format!("render {ball} -o a.png --view clusters"), "--pick: --view clusters and --pick X,Y go together"),
-        (format!("render {ball} -o a.png --view clusters --pick 9999999,0"), "--pick"),
-        (format!("render {ball} -o a.png --view clusters --pick -1,0"), "unexpected argument '-1'"),
-        (format!("render {ball} -o a.png --aov"), "--aov: only OpenEXR has layers"),
-        (format!("render {ball} -o a.png --transport teleport"), "--transport"),
-        (format!("render {ball} -o a.png --mode sometimes"), "--mode"),
-        (format!("render {ball} -o a.png --set object.0"), "--set object.0: not a setting"),
-        (format!("render {ball} -o a.png --set object.999999999999.size=1"), "`object` is a list of 1"),
-        (format!("render {ball} -o a.png --set =1"), "--set =1: an empty name"),
-        (deep, "a key of too many names; found 40001; expected at most 16"),
-        (format!("render {ball} -o a.png --set x={}", "[".repeat(9000)), "unknown key"),
-        (format!("render {ball} -o a.png --set transport.subdivide=99"), "transport.subdivide: out of range"),
         ("render spher -o a.png --device cpu".into(), "neither a built-in scene nor a file, did you mean `sphere`?"),
         ("render . -o a.png --device cpu".into(), "the scene file cannot be read"),
         ("render /dev/zero -o a.png --device cpu".into(), "/dev/zero: the scene file cannot be read"),
         ("render /dev/null -o a.png --device cpu".into(), "found a device, which may never end"),
-        (format!("solve {ball}"), "nothing to do; expected -o FILE"),
-        (format!("solve {ball} -o a.txt"), "-o: the name says the format; found a.txt"),
-        (format!("solve {ball} --verify 0"), "--verify"),
-        (format!("solve {ball} --verify -3"), "--verify"),
-        (format!("solve {ball} -o a.csv --seed 99999999999999999999"), "--seed"),
-        (format!("pareto {ball} --methods magic"), "--methods"),
-        (format!("pareto {ball} --budget nan"), "--budget: out of range"),
-        (format!("pareto {ball} --samples 0"), "--samples"),
+        (format!("solve {BALL}"), "nothing to do; expected -o FILE"),
+        (format!("solve {BALL} -o a.txt"), "-o: the name says the format; found a.txt"),
+        (format!("solve {BALL} --verify 0"), "--verify"),
+        (format!("solve {BALL} --verify -3"), "--verify"),
+        (format!("solve {BALL} -o a.csv --seed 99999999999999999999"), "--seed"),
+        (format!("pareto {BALL} --methods magic"), "--methods"),
+        (format!("pareto {BALL} --budget nan"), "--budget: out of range"),
+        (format!("pareto {BALL} --samples 0"), "--samples"),
         ("eval magic a.csv -o b.csv".into(), "magic"),
         ("eval profile gone.csv -o b.csv --device cpu".into(), "gone.csv: No such file"),
         ("eval profile /dev/zero -o b.csv --device cpu --limit-memory 64M".into(), "/dev/zero: "),
@@ -65,6 +76,5 @@ pub fn cases() -> Vec<Case> {
         ("fit-cdrf marble --photons 0".into(), "--photons: out of range; found 0"),
         ("scenes nowhere".into(), "nowhere"),
         ("shader nowhere/at/all".into(), "nowhere"),
-    ];
-    lines.into_iter().map(|(line, words)| Case::new(&[], &line, words)).collect()
+    ]
 }

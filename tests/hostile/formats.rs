@@ -8,17 +8,27 @@ fn ply(head: &str, rest: &[u8]) -> Vec<u8> {
     [format!("ply\nformat {head}end_header\n").as_bytes(), rest].concat()
 }
 
+/// The name of a file, its bytes, and words of the message.
+type Mesh = (&'static str, Vec<u8>, &'static str);
+
 pub fn ply_and_stl() -> Vec<Case> {
+    let cases = [ply_files(), stl_files()].concat();
+    cases
+        .into_iter()
+        .map(|(name, bytes, words)| Case::new(&[(name, &bytes)], &LINE.replace(" m ", &format!(" {name} ")), words))
+        .collect()
+}
+
+fn ply_files() -> Vec<Mesh> {
     let vertex = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
     let face = |list: &str| format!("{vertex}element face 1\nproperty list {list} vertex_indices\n");
     let ascii = |head: &str, rest: &str| ply(&format!("ascii 1.0\n{head}"), rest.as_bytes());
     let little = |head: &str, rest: &[u8]| ply(&format!("binary_little_endian 1.0\n{head}"), rest);
+    let big = "binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+    let last = (0..3).map(|k| (k as f32).to_be_bytes()).collect::<Vec<_>>().concat();
     let three = "0 0 0\n1 0 0\n0 1 0\n";
     let zeros = [0u8; 36];
-    let stl = |count: u32, body: usize| [&[b' '; 80][..], &count.to_le_bytes(), &vec![0; body]].concat();
-    let facet =
-        |corners: &str| format!("solid\nfacet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n").into_bytes();
-    let mut cases: Vec<(&str, Vec<u8>, &'static str)> = vec![
+    vec![
         ("m", b"ply\n".to_vec(), "m:2: the mesh file is not PLY as it should be: Unexpected end of file"),
         ("m", b"ply\nend_header\n".to_vec(), "m: the mesh file is not PLY as it should be: No format line found"),
         ("m", b"ply\nformat ascii 9999999999.0\nend_header\n".to_vec(), "the mesh file is not PLY as it should be"),
@@ -52,6 +62,16 @@ pub fn ply_and_stl() -> Vec<Case> {
         ),
         ("m", little(&face("uint int"), &[&zeros[..], &[255; 4], &[0; 12]].concat()), "not PLY as it should be"),
         ("m", little(&face("uint uint"), &[&zeros[..], &[3, 0, 0, 0], &[255; 12]].concat()), "a face names a vertex"),
+        ("m", ply(big, &last), "m: the mesh has no faces"),
+    ]
+}
+
+/// STL, and what is no mesh.
+fn stl_files() -> Vec<Mesh> {
+    let stl = |count: u32, body: usize| [&[b' '; 80][..], &count.to_le_bytes(), &vec![0; body]].concat();
+    let facet =
+        |corners: &str| format!("solid\nfacet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n").into_bytes();
+    vec![
         ("m", stl(0, 0), "m: the mesh has no faces; found no triangle"),
         ("m", stl(1, 50), "m: every face of the mesh is degenerate"),
         ("m.stl", stl(u32::MAX, 50), "m.stl: the mesh file is neither ascii nor binary STL; found 134 bytes"),
@@ -65,17 +85,7 @@ pub fn ply_and_stl() -> Vec<Case> {
         ("m", facet("corner 0 0 0\n"), "m:4: not a statement of ascii STL; found `corner`"),
         ("m", b"junk\x00".to_vec(), "m:1: neither a mesh nor a scene in TOML"),
         ("m", b"\xff\xfe\xfd".to_vec(), "expected a scene in TOML, or a mesh in Wavefront OBJ, PLY, STL or glTF"),
-    ];
-    let rest = (0..3).map(|k| (k as f32).to_be_bytes()).collect::<Vec<_>>().concat();
-    cases.push((
-        "m",
-        ply("binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n", &rest),
-        "m: the mesh has no faces",
-    ));
-    cases
-        .into_iter()
-        .map(|(name, bytes, words)| Case::new(&[(name, &bytes)], &LINE.replace(" m ", &format!(" {name} ")), words))
-        .collect()
+    ]
 }
 
 /// A GLB with this JSON and these bytes.
@@ -85,44 +95,43 @@ fn glb(json: &str, bytes: &[u8]) -> Vec<u8> {
     [&b"glTF\x02\0\0\0"[..], &(chunks.len() as u32 + 12).to_le_bytes(), &chunks].concat()
 }
 
+const GOOD: &str = r#""bufferView":0,"componentType":5126,"count":3,"type":"VEC3""#;
+const POSITIONS: &str = r#""attributes":{"POSITION":0}"#;
+const NODE: &str = r#""nodes":[{"mesh":0}]"#;
+
+/// The positions of a triangle.
+fn positions() -> Vec<u8> {
+    [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// A GLB of a triangle with this accessor, this primitive, and this rest.
+fn triangle(accessor: &str, primitive: &str, rest: &str) -> Vec<u8> {
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":36}}],"bufferViews":[{{"buffer":0,"byteLength":36}}],
+        "accessors":[{{{accessor}}}],"meshes":[{{"primitives":[{{{primitive}}}]}}],{rest}}}"#
+    );
+    glb(&json, &positions())
+}
+
+fn tree(text: &str) -> Vec<u8> {
+    triangle(GOOD, POSITIONS, text)
+}
+
 pub fn gltf() -> Vec<Case> {
-    let floats = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-    let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
-    let file = |accessor: &str, primitive: &str, rest: &str| {
-        let json = format!(
-            r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":36}}],"bufferViews":[{{"buffer":0,"byteLength":36}}],
-            "accessors":[{{{accessor}}}],"meshes":[{{"primitives":[{{{primitive}}}]}}],{rest}}}"#
-        );
-        glb(&json, &bytes)
-    };
-    let good = r#""bufferView":0,"componentType":5126,"count":3,"type":"VEC3""#;
-    let positions = r#""attributes":{"POSITION":0}"#;
-    let node = r#""nodes":[{"mesh":0}]"#;
-    let accessor = |text: &str| file(text, positions, node);
-    let primitive = |text: &str| file(good, &format!("{positions},{text}"), node);
-    let tree = |text: &str| file(good, positions, text);
+    let cases = [heads(), trees(), primitives(), buffers(), skins()].concat();
+    let line = LINE.replace(" m ", " m.glb ");
+    let mut all: Vec<Case> = cases.iter().map(|(bytes, words)| Case::new(&[("m.glb", bytes)], &line, words)).collect();
+    for (bytes, name, words) in animations() {
+        all.push(Case::new(&[("m.glb", &bytes)], &format!("{line} --animation {name}"), words));
+    }
+    all
+}
+
+/// Files that are no glTF, of other versions, or with extensions that are not known.
+fn heads() -> Vec<(Vec<u8>, &'static str)> {
     let deep = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));
-    let many: String = (0..60_000).map(|k| format!(r#"{{"children":[{}]}},"#, k + 1)).collect();
     let uses = |name: &str| format!(r#"{{"asset":{{"version":"2.0"}},"extensionsRequired":["{name}"]}}"#).into_bytes();
-    let uri = |uri: &str| {
-        format!(
-            r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":36,"uri":"{uri}"}}],"bufferViews":[{{"buffer":0,"byteLength":36}}],
-            "accessors":[{{{good}}}],"meshes":[{{"primitives":[{{{positions}}}]}}],{node}}}"#
-        )
-        .into_bytes()
-    };
-    let skin = |rest: &str| {
-        let attributes = r#""attributes":{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":1}"#;
-        let four = r#","componentType":5126,"count":3,"type":"VEC4","bufferView":1"#;
-        let json = format!(
-            r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":84}}],"bufferViews":[{{"buffer":0,"byteLength":36}},
-            {{"buffer":0,"byteOffset":36,"byteLength":48}}],"accessors":[{{{good}}},{{"byteOffset":0{four}}}],
-            "meshes":[{{"primitives":[{{{attributes}}}]}}],"nodes":[{{"mesh":0,"skin":0}}]{rest}}}"#
-        );
-        let joints: Vec<u8> = [9.0f32; 12].iter().flat_map(|x| x.to_le_bytes()).collect();
-        glb(&json, &[&bytes[..], &joints].concat())
-    };
-    let cases: Vec<(Vec<u8>, &'static str)> = vec![
+    vec![
         (b"glTF".to_vec(), "m.glb: the mesh file is not glTF 2.0 as it should be; found a header that is cut off"),
         (b"glTF\x01\0\0\0\x0c\0\0\0".to_vec(), "m.glb: another version of glTF; found 1; expected"),
         (b"glTF\x02\0\0\0\xff\xff\xff\xff".to_vec(), "m.glb: the mesh file is not glTF 2.0 as it should be"),
@@ -153,6 +162,12 @@ pub fn gltf() -> Vec<Case> {
             "m.glb: the file requires an extension that is not known; found KHR_texture_pro",
         ),
         (uses("KHR_meshopt_compression"), "m.glb: compressed meshes are not supported; found KHR_meshopt"),
+    ]
+}
+
+fn trees() -> Vec<(Vec<u8>, &'static str)> {
+    let many: String = (0..60_000).map(|k| format!(r#"{{"children":[{}]}},"#, k + 1)).collect();
+    vec![
         (tree(r#""nodes":[]"#), "m.glb: the mesh has no faces; found no triangles in the scene of the file"),
         (tree(r#""nodes":[{"mesh":4000000000}]"#), "m.glb: there is no mesh 4000000000"),
         (tree(r#""nodes":[{"mesh":0}],"scene":3"#), "m.glb: there is no scene 3"),
@@ -162,6 +177,13 @@ pub fn gltf() -> Vec<Case> {
         (tree(r#""nodes":[{"mesh":0,"scale":[0,0,0]}]"#), "m.glb: every face of the mesh is degenerate"),
         (tree(r#""nodes":[{"mesh":0,"translation":[1e39,0,0]}]"#), "m.glb: a coordinate is not finite or too large"),
         (tree(r#""nodes":[{"mesh":0,"scale":[1e35,1,1]}]"#), "m.glb: a coordinate is not finite or too large; found ["),
+    ]
+}
+
+fn primitives() -> Vec<(Vec<u8>, &'static str)> {
+    let accessor = |text: &str| triangle(text, POSITIONS, NODE);
+    let primitive = |text: &str| triangle(GOOD, &format!("{POSITIONS},{text}"), NODE);
+    vec![
         (primitive(r#""indices":5"#), "m.glb: there is no accessor 5"),
         (primitive(r#""indices":0"#), "an element has not as many numbers as it should; found 3; expected 1"),
         (primitive(r#""mode":0"#), "m.glb: the mesh has no faces"),
@@ -171,24 +193,52 @@ pub fn gltf() -> Vec<Case> {
         (accessor(r#""componentType":5126,"count":1000000000000,"type":"VEC3""#), "of memory asked for beside"),
         (accessor(r#""componentType":5126,"count":18446744073709551615,"type":"VEC3""#), "of memory asked for beside"),
         (accessor(r#""componentType":5126,"count":3,"type":"VEC3""#), "m.glb: every face of the mesh is degenerate"),
-        (accessor(&format!(r#"{good},"byteOffset":1"#)), "accessors.0: it reaches beyond its buffer view"),
+        (accessor(&format!(r#"{GOOD},"byteOffset":1"#)), "accessors.0: it reaches beyond its buffer view"),
         (
-            accessor(&format!(r#"{good},"byteOffset":18446744073709551615"#)),
+            accessor(&format!(r#"{GOOD},"byteOffset":18446744073709551615"#)),
             "accessors.0: it reaches beyond its buffer view",
         ),
-        (accessor(&good.replace("5126", "5130")), "accessors.0: its type is not one of glTF's"),
-        (accessor(&good.replace("VEC3", "VEC9")), "accessors.0: its type is not one of glTF's"),
+        (accessor(&GOOD.replace("5126", "5130")), "accessors.0: its type is not one of glTF's"),
+        (accessor(&GOOD.replace("VEC3", "VEC9")), "accessors.0: its type is not one of glTF's"),
         (
             accessor(&format!(
-                r#"{good},"sparse":{{"count":1,"indices":{{"bufferView":0,"byteOffset":12,"componentType":5125}},"values":{{"bufferView":0}}}}"#
+                r#"{GOOD},"sparse":{{"count":1,"indices":{{"bufferView":0,"byteOffset":12,"componentType":5125}},"values":{{"bufferView":0}}}}"#
             )),
             "accessors.0: a sparse index is beyond its elements; found 1065353216",
         ),
+    ]
+}
+
+fn buffers() -> Vec<(Vec<u8>, &'static str)> {
+    let uri = |uri: &str| {
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":36,"uri":"{uri}"}}],"bufferViews":[{{"buffer":0,"byteLength":36}}],
+            "accessors":[{{{GOOD}}}],"meshes":[{{"primitives":[{{{POSITIONS}}}]}}],{NODE}}}"#
+        )
+        .into_bytes()
+    };
+    vec![
         (uri("gone.bin"), "m.glb: buffers.0: its file cannot be read; found gone.bin: No such file"),
         (uri("/dev/zero"), "m.glb: buffers.0: its file cannot be read; found /dev/zero: not a plain file"),
         (uri("http://localhost/a"), "m.glb: buffers.0: only files beside the mesh are read"),
         (uri("data:;base64,!"), "m.glb: buffers.0: its data cannot be read"),
         (uri("data:;base64,AAAA"), "bufferViews.0: it reaches beyond its buffer"),
+    ]
+}
+
+fn skins() -> Vec<(Vec<u8>, &'static str)> {
+    let skin = |rest: &str| {
+        let attributes = r#""attributes":{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":1}"#;
+        let four = r#","componentType":5126,"count":3,"type":"VEC4","bufferView":1"#;
+        let json = format!(
+            r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":84}}],"bufferViews":[{{"buffer":0,"byteLength":36}},
+            {{"buffer":0,"byteOffset":36,"byteLength":48}}],"accessors":[{{{GOOD}}},{{"byteOffset":0{four}}}],
+            "meshes":[{{"primitives":[{{{attributes}}}]}}],"nodes":[{{"mesh":0,"skin":0}}]{rest}}}"#
+        );
+        let joints: Vec<u8> = [9.0f32; 12].iter().flat_map(|x| x.to_le_bytes()).collect();
+        glb(&json, &[positions(), joints].concat())
+    };
+    vec![
         (skin(""), "m.glb: there is no skin 0"),
         (skin(r#","skins":[{"joints":[0]}]"#), "a vertex names a joint that its skin does not have; found 9"),
         (skin(r#","skins":[{"joints":[8]}]"#), "m.glb: there is no node 8"),
@@ -196,30 +246,25 @@ pub fn gltf() -> Vec<Case> {
             skin(r#","skins":[{"joints":[0],"inverseBindMatrices":0}]"#),
             "an element has not as many numbers as it should",
         ),
-    ];
-    let mut all: Vec<Case> = cases
-        .iter()
-        .map(|(bytes, words)| Case::new(&[("m.glb", bytes)], &LINE.replace(" m ", " m.glb "), words))
-        .collect();
-    // Animations.
+    ]
+}
+
+/// A file, the name of the animation that is asked for, and words of the message.
+fn animations() -> [(Vec<u8>, &'static str, &'static str); 4] {
     let animation = |sampler: &str, target: &str| {
         tree(&format!(
-            r#"{node},"animations":[{{"name":"A","samplers":[{{{sampler}}}],"channels":[{{"sampler":0,"target":{{{target}}}}}]}}]"#
+            r#"{NODE},"animations":[{{"name":"A","samplers":[{{{sampler}}}],"channels":[{{"sampler":0,"target":{{{target}}}}}]}}]"#
         ))
     };
     let (plain, move_it) = (r#""input":0,"output":0"#, r#""node":0,"path":"translation""#);
-    for (bytes, name, words) in [
+    [
         (
-            tree(node),
+            tree(NODE),
             "A",
             "animation: no mesh of the scene has this animation; found A; expected a glTF file with anim",
         ),
         (animation(plain, move_it), "B", "an element has not as many numbers as it should; found 3; expected 1"),
         (animation(plain, move_it), "A", "an element has not as many numbers as it should; found 3; expected 1"),
         (animation(r#""input":7,"output":0"#, move_it), "A", "there is no accessor 7"),
-    ] {
-        let line = format!("{} --animation {name}", LINE.replace(" m ", " m.glb "));
-        all.push(Case::new(&[("m.glb", &bytes)], &line, words));
-    }
-    all
+    ]
 }

@@ -5,6 +5,7 @@ use super::makers::{Exr, chunk, deflate, hdr as made, png as built};
 
 const BALL: &str = "[[object]]\nshape = 'sphere'\ndetail = 0\nmaterial = { preset = 'marble'";
 const LAYER: &str = "layer = [{ sigma_s = 1, sigma_t = 2, g = 0 }]";
+const READ: &str = "cannot be read; found ";
 
 /// One case per file; the files take turns in these uses.
 fn cases(name: &str, ways: &[&str], files: Vec<(Vec<u8>, &'static str)>) -> Vec<Case> {
@@ -31,7 +32,6 @@ pub fn png() -> Vec<Case> {
     let grey = [8, 0, 0, 0, 0];
     let good = built([2, 1], grey, &[0, 90, 90]);
     let cut = |length: usize| good[..length].to_vec();
-    let read = "cannot be read; found ";
     let parts = |chunks: &[Vec<u8>]| [&b"\x89PNG\r\n\x1a\n"[..], &chunks.concat()].concat();
     let head = chunk(b"IHDR", &[0, 0, 0, 2, 0, 0, 0, 1, 8, 0, 0, 0, 0]);
     // Two pixels with a palette of this many bytes.
@@ -45,39 +45,39 @@ pub fn png() -> Vec<Case> {
         (coloured(2), "a palette of 2 bytes, not of 1 to 256 colours of three bytes"),
         (coloured(4), "a palette of 4 bytes"),
         (coloured(771), "a palette of 771 bytes"),
-        (Vec::new(), read),
-        (b"no picture".to_vec(), read),
-        (b"\xff\xd8\xff\xe0 a photograph".to_vec(), read),
-        (cut(8), read),
-        (cut(20), read),
-        (cut(33), read),
-        (cut(41), read),
-        (cut(good.len() - 13), read),
-        (changed(good.clone(), 0, &[0x88]), read),
-        (changed(good.clone(), 29, &[1, 2, 3, 4]), read),
-        (changed(good.clone(), 8, &[0xff, 0xff, 0xff, 0xff]), read),
-        (changed(good.clone(), 33, &[0x7f, 0xff, 0xff, 0xff]), read),
-        (changed(good.clone(), 43, &[7]), read),
-        (built([0, 1], grey, &[0]), read),
-        (built([1, 0], grey, &[]), read),
-        (built([u32::MAX, u32::MAX], grey, &[0]), read),
+        (Vec::new(), READ),
+        (b"no picture".to_vec(), READ),
+        (b"\xff\xd8\xff\xe0 a photograph".to_vec(), READ),
+        (cut(8), READ),
+        (cut(20), READ),
+        (cut(33), READ),
+        (cut(41), READ),
+        (cut(good.len() - 13), READ),
+        (changed(good.clone(), 0, &[0x88]), READ),
+        (changed(good.clone(), 29, &[1, 2, 3, 4]), READ),
+        (changed(good.clone(), 8, &[0xff, 0xff, 0xff, 0xff]), READ),
+        (changed(good.clone(), 33, &[0x7f, 0xff, 0xff, 0xff]), READ),
+        (changed(good.clone(), 43, &[7]), READ),
+        (built([0, 1], grey, &[0]), READ),
+        (built([1, 0], grey, &[]), READ),
+        (built([u32::MAX, u32::MAX], grey, &[0]), READ),
         (built([1 << 16, 1 << 16], grey, &[0]), "65536 x 65536 pixels, more than "),
         (built([2048, 2047], [16, 6, 0, 0, 0], &[0]), "2048 x 2047 pixels in a file of "),
         (built([2048, 2048], [16, 6, 0, 0, 0], &[0]), "2048 x 2048 pixels in a file of "),
-        (built([2, 1], [3, 0, 0, 0, 0], &[0, 90, 90]), read),
-        (built([2, 1], [8, 1, 0, 0, 0], &[0, 90, 90]), read),
-        (built([2, 1], [16, 3, 0, 0, 0], &[0, 90, 90]), read),
-        (built([2, 1], [8, 3, 0, 0, 0], &[0, 90, 90]), read),
-        (built([2, 1], [8, 0, 1, 0, 0], &[0, 90, 90]), read),
-        (built([2, 1], [8, 0, 0, 1, 0], &[0, 90, 90]), read),
-        (built([2, 1], [8, 0, 0, 0, 2], &[0, 90, 90]), read),
-        (built([2, 1], grey, &[9, 90, 90]), read),
-        (built([2, 1], grey, &[0, 90]), read),
-        (parts(&[chunk(b"IDAT", &deflate(&[0, 1, 1])), chunk(b"IEND", &[])]), read),
-        (parts(&[head.clone(), chunk(b"IEND", &[])]), read),
-        (parts(&[head.clone(), chunk(b"IDAT", &[0; 9]), chunk(b"IEND", &[])]), read),
-        (parts(&[head.clone(), chunk(b"ABCD", &[0; 9]), chunk(b"IEND", &[])]), read),
-        (parts(&[head, chunk(b"IDAT", &deflate(&[])), chunk(b"IEND", &[])]), read),
+        (built([2, 1], [3, 0, 0, 0, 0], &[0, 90, 90]), READ),
+        (built([2, 1], [8, 1, 0, 0, 0], &[0, 90, 90]), READ),
+        (built([2, 1], [16, 3, 0, 0, 0], &[0, 90, 90]), READ),
+        (built([2, 1], [8, 3, 0, 0, 0], &[0, 90, 90]), READ),
+        (built([2, 1], [8, 0, 1, 0, 0], &[0, 90, 90]), READ),
+        (built([2, 1], [8, 0, 0, 1, 0], &[0, 90, 90]), READ),
+        (built([2, 1], [8, 0, 0, 0, 2], &[0, 90, 90]), READ),
+        (built([2, 1], grey, &[9, 90, 90]), READ),
+        (built([2, 1], grey, &[0, 90]), READ),
+        (parts(&[chunk(b"IDAT", &deflate(&[0, 1, 1])), chunk(b"IEND", &[])]), READ),
+        (parts(&[head.clone(), chunk(b"IEND", &[])]), READ),
+        (parts(&[head.clone(), chunk(b"IDAT", &[0; 9]), chunk(b"IEND", &[])]), READ),
+        (parts(&[head.clone(), chunk(b"ABCD", &[0; 9]), chunk(b"IEND", &[])]), READ),
+        (parts(&[head, chunk(b"IDAT", &deflate(&[])), chunk(b"IEND", &[])]), READ),
         (built([2, 1], grey, &[0, 0, 0]), "the maps say that every layer lies at the surface"),
         (built([16_385, 1], grey, &[0; 16_386]), "too few or too many texels; found 16385 x 1"),
     ];
@@ -89,20 +89,52 @@ pub fn png() -> Vec<Case> {
     all
 }
 
+/// A valid file with some fields changed.
+fn edited(change: fn(&mut Exr)) -> Vec<u8> {
+    let mut exr = Exr::default();
+    change(&mut exr);
+    exr.bytes()
+}
+
 pub fn exr() -> Vec<Case> {
-    let good = Exr::default();
-    let bytes = good.bytes();
+    // The files take turns in the uses, in this order.
+    let files = [cut_and_sized(), swollen_blocks(), wrong_fields()].concat();
+    let mut all = cases("a.exr", &["sky", "texture", "map"], files);
+    let bad = |value: f32| Exr { data: value.to_le_bytes().repeat(6), ..Exr::default() }.bytes();
+    all.extend(cases("a.exr", &["sky"], vec![(bad(f32::NEG_INFINITY), "is no radiance; found [-inf, -inf, -inf]")]));
+    let nameless = edited(|exr| exr.channels.iter_mut().for_each(|channel| channel.0 += "x"));
+    let words = "cannot be read; found channels Bx, Gx, Rx; R, G and B, or Y, are read";
+    all.extend(cases("a.exr", &["sky", "texture"], vec![(nameless.clone(), words), (nameless, words)]));
+    all.extend(cases("a.exr", &["texture"], vec![(bad(f32::NAN), "is no albedo; found [NaN, NaN, NaN]")]));
+    all.extend(cases("a.exr", &["map"], vec![(bad(f32::INFINITY), "is no share of a depth; found [inf]")]));
+    all
+}
+
+fn cut_and_sized() -> Vec<(Vec<u8>, &'static str)> {
+    let bytes = Exr::default().bytes();
     let cut = |length: usize| bytes[..length].to_vec();
-    let read = "cannot be read; found ";
-    let of = |change: fn(&mut Exr)| {
-        let mut exr = good.clone();
-        change(&mut exr);
-        exr.bytes()
-    };
-    // Shorter than the pixels themselves, or the block would not count as compressed.
-    fn pack(exr: &mut Exr, compression: u8) {
-        (exr.compression, exr.block, exr.data) = (compression, (0, 20), vec![0xa5; 20]);
-    }
+    vec![
+        (Vec::new(), READ),
+        (b"no picture".to_vec(), READ),
+        (cut(4), READ),
+        (cut(8), READ),
+        (cut(60), READ),
+        (cut(bytes.len() - 40), READ),
+        (cut(bytes.len() - 30), READ),
+        (cut(bytes.len() - 1), READ),
+        (changed(bytes.clone(), 0, &[0]), READ),
+        (changed(bytes.clone(), 4, &[9]), READ),
+        (changed(bytes.clone(), 4, &[0xff; 4]), READ),
+        (edited(|exr| exr.window = [0, 0, i32::MAX, i32::MAX]), READ),
+        (edited(|exr| exr.window = [i32::MIN, i32::MIN, i32::MAX, i32::MAX]), READ),
+        (edited(|exr| exr.window = [0, 0, -1, -1]), READ),
+        (edited(|exr| exr.window = [0, 0, 99_999, 99_999]), "100000 x 100000 pixels, more than "),
+        (edited(|exr| exr.window = [0, 0, 2047, 2047]), READ),
+    ]
+}
+
+/// Files that claim far more than they hold.
+fn swollen_blocks() -> Vec<(Vec<u8>, &'static str)> {
     // One scan line whose block claims to have two gigabytes.
     let long: fn(&mut Exr) = |exr| {
         (exr.window, exr.compression, exr.block) = ([0, 0, 99_999, 0], 9, (0, i32::MAX));
@@ -121,7 +153,7 @@ pub fn exr() -> Vec<Case> {
     };
     // Two scan lines whose offsets both point at the first block.
     let twice = {
-        let bytes = of(|exr| exr.window = [0, 0, 1, 1]);
+        let bytes = edited(|exr| exr.window = [0, 0, 1, 1]);
         let (head, block) = bytes.split_at(bytes.len() - 32);
         let at = (bytes.len() as u64 - 32 + 8).to_le_bytes();
         [&head[..head.len() - 8], &at, &at, block].concat()
@@ -130,64 +162,48 @@ pub fn exr() -> Vec<Case> {
         exr.window = [0, 0, 2047, 2047];
         exr.channels = (0..999).map(|k| (format!("c{k}"), 2, [1, 1])).collect();
     };
-    let files = vec![
-        (Vec::new(), read),
-        (b"no picture".to_vec(), read),
-        (cut(4), read),
-        (cut(8), read),
-        (cut(60), read),
-        (cut(bytes.len() - 40), read),
-        (cut(bytes.len() - 30), read),
-        (cut(bytes.len() - 1), read),
-        (changed(bytes.clone(), 0, &[0]), read),
-        (changed(bytes.clone(), 4, &[9]), read),
-        (changed(bytes.clone(), 4, &[0xff; 4]), read),
-        (of(|exr| exr.window = [0, 0, i32::MAX, i32::MAX]), read),
-        (of(|exr| exr.window = [i32::MIN, i32::MIN, i32::MAX, i32::MAX]), read),
-        (of(|exr| exr.window = [0, 0, -1, -1]), read),
-        (of(|exr| exr.window = [0, 0, 99_999, 99_999]), "100000 x 100000 pixels, more than "),
-        (of(|exr| exr.window = [0, 0, 2047, 2047]), read),
-        (of(crowd), "2048 x 2048 pixels in a file of "),
-        (of(long), "a block that ends beyond the file"),
-        (of(swollen), "a block of 8 x 8 pixels with a section of 4611686018427387904 bytes or numbers"),
-        (of(high), "a block of a level beyond the last"),
+    vec![
+        (edited(crowd), "2048 x 2048 pixels in a file of "),
+        (edited(long), "a block that ends beyond the file"),
+        (edited(swollen), "a block of 8 x 8 pixels with a section of 4611686018427387904 bytes or numbers"),
+        (edited(high), "a block of a level beyond the last"),
         (twice, "a block that is there twice"),
-        (of(|exr| pack(exr, 1)), read),
-        (of(|exr| pack(exr, 3)), read),
-        (of(|exr| pack(exr, 4)), read),
-        (of(|exr| pack(exr, 5)), read),
-        (of(|exr| pack(exr, 6)), read),
-        (of(|exr| pack(exr, 8)), read),
-        (of(|exr| exr.compression = 99), read),
-        (of(|exr| exr.channels.clear()), read),
-        (of(|exr| exr.channels[0].1 = 7), read),
-        (of(|exr| exr.channels[0].2 = [0, 0]), read),
-        (of(|exr| exr.channels[0].2 = [-1, i32::MIN]), read),
-        (of(|exr| exr.block = (77, 24)), read),
-        (of(|exr| exr.block = (i32::MIN, 24)), read),
-        (of(|exr| exr.block = (0, i32::MAX)), read),
-        (of(|exr| exr.block = (0, -1)), read),
-        (of(|exr| exr.block = (0, 8)), read),
-        (of(|exr| (exr.flags, exr.tiles) = (0x202, Some([0, 0]))), read),
-        (of(|exr| (exr.flags, exr.tiles) = (0x202, Some([u32::MAX, u32::MAX]))), read),
+    ]
+}
+
+fn wrong_fields() -> Vec<(Vec<u8>, &'static str)> {
+    // Shorter than the pixels themselves, or the block would not count as compressed.
+    fn pack(exr: &mut Exr, compression: u8) {
+        (exr.compression, exr.block, exr.data) = (compression, (0, 20), vec![0xa5; 20]);
+    }
+    vec![
+        (edited(|exr| pack(exr, 1)), READ),
+        (edited(|exr| pack(exr, 3)), READ),
+        (edited(|exr| pack(exr, 4)), READ),
+        (edited(|exr| pack(exr, 5)), READ),
+        (edited(|exr| pack(exr, 6)), READ),
+        (edited(|exr| pack(exr, 8)), READ),
+        (edited(|exr| exr.compression = 99), READ),
+        (edited(|exr| exr.channels.clear()), READ),
+        (edited(|exr| exr.channels[0].1 = 7), READ),
+        (edited(|exr| exr.channels[0].2 = [0, 0]), READ),
+        (edited(|exr| exr.channels[0].2 = [-1, i32::MIN]), READ),
+        (edited(|exr| exr.block = (77, 24)), READ),
+        (edited(|exr| exr.block = (i32::MIN, 24)), READ),
+        (edited(|exr| exr.block = (0, i32::MAX)), READ),
+        (edited(|exr| exr.block = (0, -1)), READ),
+        (edited(|exr| exr.block = (0, 8)), READ),
+        (edited(|exr| (exr.flags, exr.tiles) = (0x202, Some([0, 0]))), READ),
+        (edited(|exr| (exr.flags, exr.tiles) = (0x202, Some([u32::MAX, u32::MAX]))), READ),
         (
-            of(|exr| (exr.flags, exr.tiles) = (0x202, Some([1 << 19, 373]))),
+            edited(|exr| (exr.flags, exr.tiles) = (0x202, Some([1 << 19, 373]))),
             "found tiles of 524288 x 373 pixels, more than ",
         ),
-        (of(|exr| exr.flags = 0x1002), read),
-        (of(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
-        (of(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
-        (of(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
-    ];
-    let mut all = cases("a.exr", &["sky", "texture", "map"], files);
-    let bad = |value: f32| Exr { data: value.to_le_bytes().repeat(6), ..good.clone() }.bytes();
-    all.extend(cases("a.exr", &["sky"], vec![(bad(f32::NEG_INFINITY), "is no radiance; found [-inf, -inf, -inf]")]));
-    let nameless = of(|exr| exr.channels.iter_mut().for_each(|channel| channel.0 += "x"));
-    let words = "cannot be read; found channels Bx, Gx, Rx; R, G and B, or Y, are read";
-    all.extend(cases("a.exr", &["sky", "texture"], vec![(nameless.clone(), words), (nameless, words)]));
-    all.extend(cases("a.exr", &["texture"], vec![(bad(f32::NAN), "is no albedo; found [NaN, NaN, NaN]")]));
-    all.extend(cases("a.exr", &["map"], vec![(bad(f32::INFINITY), "is no share of a depth; found [inf]")]));
-    all
+        (edited(|exr| exr.flags = 0x1002), READ),
+        (edited(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
+        (edited(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
+        (edited(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
+    ]
 }
 
 pub fn hdr() -> Vec<Case> {

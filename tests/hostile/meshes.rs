@@ -10,8 +10,24 @@ fn scene(rest: &str) -> String {
 }
 
 pub fn cases() -> Vec<Case> {
+    let mut cases: Vec<Case> = statements()
+        .into_iter()
+        .map(|(text, words)| Case::new(&[("m.obj", text.as_bytes())], "solve m.obj -o a.csv --device cpu", words))
+        .collect();
+    // Nested tetrahedra: 2e10 pairs of faces to compare.
+    let shell = |k: usize| format!("v -{k} -{k} -{k}\nv {0} -{k} -{k}\nv -{k} {0} -{k}\nv -{k} -{k} {0}\n", 9 * k);
+    let faces = "f -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n";
+    let shells: String = (1..40_001).map(|k| shell(k) + faces).collect();
+    let words =
+        "m.obj: too many parts of the mesh lie in one another to tell walls from cavities; found 40000 closed parts";
+    cases.push(Case::new(&[("m.obj", shells.as_bytes())], "solve m.obj -o a.csv --device cpu", words));
+    cases.extend(settings());
+    cases
+}
+
+fn statements() -> Vec<(String, &'static str)> {
     let with = |text: &str| format!("{TRIANGLE}{text}");
-    let plain: Vec<(String, &'static str)> = vec![
+    vec![
         (String::new(), "m.obj: the mesh has no faces; found no `f` statement"),
         ("f 1 2 3".into(), "m.obj:1: a face names a vertex that is not there; found 1; expected vertices before faces"),
         (with("f 1 2 4"), "m.obj:4: a face names a vertex that is not there; found 4; expected 1 to 3, or -3 to -1"),
@@ -43,23 +59,15 @@ pub fn cases() -> Vec<Case> {
         ("ply\nformat ascii 1.0\nelement vertex 0\nend_header".into(), "m.obj: the vertices have no position"),
         (with("f 1 2 3\nf 1 2 5"), "m.obj:5: a face names a vertex that is not there; found 5"),
         (with("f 1 \u{202e}2 3"), "m.obj:4: a corner of a face is not a vertex number"),
-    ];
-    let mut cases: Vec<Case> = plain
-        .into_iter()
-        .map(|(text, words)| Case::new(&[("m.obj", text.as_bytes())], "solve m.obj -o a.csv --device cpu", words))
-        .collect();
+    ]
+}
+
+/// Meshes that fail only with certain scene settings.
+fn settings() -> [Case; 10] {
     // A disk of 5,000 triangles around one vertex.
     let rim = |k: usize| (k as f64 * std::f64::consts::TAU / 5000.0).sin_cos();
     let rim: String = (0..5000).map(|k| format!("v {} {} 0\n", rim(k).0, rim(k).1)).collect();
     let disk: String = (0..5000).map(|k| format!("f 1 {} {}\n", k + 2, (k + 1) % 5000 + 2)).collect();
-    // Nested tetrahedra: 2e10 pairs of faces to compare.
-    let shell = |k: usize| format!("v -{k} -{k} -{k}\nv {0} -{k} -{k}\nv -{k} {0} -{k}\nv -{k} -{k} {0}\n", 9 * k);
-    let faces = "f -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n";
-    let shells: String = (1..40_001).map(|k| shell(k) + faces).collect();
-    let words =
-        "m.obj: too many parts of the mesh lie in one another to tell walls from cavities; found 40000 closed parts";
-    cases.push(Case::new(&[("m.obj", shells.as_bytes())], "solve m.obj -o a.csv --device cpu", words));
-    // Meshes that fail only with certain scene settings.
     // Two tetrahedra that share an edge.
     let joined = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nv 0 0 -1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n\
                   f 1 2 5\nf 1 6 2\nf 1 5 6\nf 2 6 5\n";
@@ -85,69 +93,20 @@ pub fn cases() -> Vec<Case> {
         ("v 1e30 0 0\nv 1e30 1 0\nv 1e30 0 1\nf 1 2 3", marble.into(), "the camera stands on the point it looks at"),
         (TETRAHEDRON, format!("{marble}[transport]\nunwrap = true"), "m.obj:5: transport.unwrap"),
     ];
-    for (mesh, rest, words) in ways {
+    let case = |(mesh, rest, words): (&str, String, &'static str)| {
         let text = scene(&rest);
         let files: [(&str, &[u8]); 2] = [("m.obj", mesh.as_bytes()), ("a.toml", text.as_bytes())];
-        cases.push(Case::new(&files, "solve a.toml -o a.csv --device cpu", words));
-    }
-    cases
+        Case::new(&files, "solve a.toml -o a.csv --device cpu", words)
+    };
+    ways.map(case)
 }
 
 /// Malformed libraries; the mesh is valid except for its `mtllib` line.
 pub fn libraries() -> Vec<Case> {
-    let mesh = |names: &str| format!("{names}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
-    let one = |library: &str, words| (mesh("mtllib a.mtl"), library.to_string(), words);
-    let image = |name: &str| format!("newmtl a\nmap_Kd {name}\n");
-    let cases: Vec<(String, String, &'static str)> = vec![
-        (mesh(""), String::new(), "m.obj: the mesh names no material library"),
-        (mesh("mtllib"), String::new(), "m.obj: the mesh names no material library"),
-        (
-            mesh("mtllib gone.mtl"),
-            String::new(),
-            "m.obj:1: gone.mtl: the material library cannot be read; found No such",
-        ),
-        (
-            mesh("mtllib /dev/zero"),
-            String::new(),
-            "m.obj:1: /dev/zero: the material library cannot be read; found not a",
-        ),
-        (mesh("mtllib ."), String::new(), "the material library cannot be read; found not a plain file"),
-        (
-            mesh(&"mtllib a.mtl\n".repeat(65)),
-            image("a.png"),
-            "m.obj:65: too many material libraries; expected at most 64",
-        ),
-        (mesh("mtllib a.mtl\nmtllib a.mtl"), image("a.png"), "found 2: a, a"),
-        one("", "a.mtl: one material with a texture is supported in a library; found no `map_Kd`"),
-        one("newmtl a", "found no `map_Kd`"),
-        one("map_Kd a.png", "found no `map_Kd`"),
-        one("newmtl a\nmap_Kd", "a.mtl: the material library cannot be read"),
-        one("newmtl a\nmap_Kd -s 1 1 1 -clamp on", "found `map_Kd -s 1 1 1 -clamp on` without a file"),
-        one("newmtl a\nKd 1 0", "found no `map_Kd`"),
-        one("newmtl a\nKd a b c", "found no `map_Kd`"),
-        one("newmtl a\nKa nan", "found no `map_Kd`"),
-        one("newmtl a\nNs", "found no `map_Kd`"),
-        one("newmtl a\nNs x", "found no `map_Kd`"),
-        one("newmtl a\nNi -", "found no `map_Kd`"),
-        one("newmtl a\nd q", "found no `map_Kd`"),
-        one("newmtl a\nillum 99999999999", "found no `map_Kd`"),
-        one("newmtl a\nillum x", "found no `map_Kd`"),
-        one("newmtl", "a.mtl: the material library cannot be read"),
-        one(&image("gone.png"), "object.0.material.texture: gone.png: the texture cannot be read; found No such file"),
-        one(&image("gone"), "object.0.material.texture: not the name of a texture; found gone"),
-        one(&image("a.mtl"), "object.0.material.texture: not the name of a texture; found a.mtl"),
-        one(&image("/dev/zero.png"), "the texture cannot be read"),
-        one(&image("../../../../etc/passwd"), "not the name of a texture"),
-        one(&image(&"x".repeat(9000)), "not the name of a texture"),
-        one(&image(&format!("{}.png", "x".repeat(9000))), "the texture cannot be read; found File name too long"),
-        one(&image("a.png\nnewmtl b\nmap_Kd b.png"), "found 2: a, b"),
-        one("\u{0}\u{1}\u{2}", "found no `map_Kd`"),
-        one(&"newmtl a\n".repeat(9000), "found no `map_Kd`"),
-        one(&image("a.png"), "a.png: the texture cannot be read"),
-    ];
     let text = scene("material = { preset = 'marble', texture = 'mtl' }\n");
     let line = "solve a.toml -o a.csv --device cpu";
-    let case = |(mesh, library, words): (String, String, &'static str)| {
+    let case = |(names, library, words): (String, String, &'static str)| {
+        let mesh = format!("{names}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
         let files: [(&str, &[u8]); 4] = [
             ("m.obj", mesh.as_bytes()),
             ("a.mtl", library.as_bytes()),
@@ -156,5 +115,62 @@ pub fn libraries() -> Vec<Case> {
         ];
         Case::new(&files, line, words)
     };
-    cases.into_iter().map(case).collect()
+    let named = |(library, words): (String, &'static str)| ("mtllib a.mtl".into(), library, words);
+    names().into_iter().chain(contents().into_iter().map(named)).map(case).collect()
+}
+
+fn image(name: &str) -> String {
+    format!("newmtl a\nmap_Kd {name}\n")
+}
+
+/// The mesh's lines that name libraries, the library, and words of the message.
+fn names() -> Vec<(String, String, &'static str)> {
+    vec![
+        (String::new(), String::new(), "m.obj: the mesh names no material library"),
+        ("mtllib".into(), String::new(), "m.obj: the mesh names no material library"),
+        (
+            "mtllib gone.mtl".into(),
+            String::new(),
+            "m.obj:1: gone.mtl: the material library cannot be read; found No such",
+        ),
+        (
+            "mtllib /dev/zero".into(),
+            String::new(),
+            "m.obj:1: /dev/zero: the material library cannot be read; found not a",
+        ),
+        ("mtllib .".into(), String::new(), "the material library cannot be read; found not a plain file"),
+        ("mtllib a.mtl\n".repeat(65), image("a.png"), "m.obj:65: too many material libraries; expected at most 64"),
+        ("mtllib a.mtl\nmtllib a.mtl".into(), image("a.png"), "found 2: a, a"),
+    ]
+}
+
+fn contents() -> Vec<(String, &'static str)> {
+    vec![
+        (String::new(), "a.mtl: one material with a texture is supported in a library; found no `map_Kd`"),
+        ("newmtl a".into(), "found no `map_Kd`"),
+        ("map_Kd a.png".into(), "found no `map_Kd`"),
+        ("newmtl a\nmap_Kd".into(), "a.mtl: the material library cannot be read"),
+        ("newmtl a\nmap_Kd -s 1 1 1 -clamp on".into(), "found `map_Kd -s 1 1 1 -clamp on` without a file"),
+        ("newmtl a\nKd 1 0".into(), "found no `map_Kd`"),
+        ("newmtl a\nKd a b c".into(), "found no `map_Kd`"),
+        ("newmtl a\nKa nan".into(), "found no `map_Kd`"),
+        ("newmtl a\nNs".into(), "found no `map_Kd`"),
+        ("newmtl a\nNs x".into(), "found no `map_Kd`"),
+        ("newmtl a\nNi -".into(), "found no `map_Kd`"),
+        ("newmtl a\nd q".into(), "found no `map_Kd`"),
+        ("newmtl a\nillum 99999999999".into(), "found no `map_Kd`"),
+        ("newmtl a\nillum x".into(), "found no `map_Kd`"),
+        ("newmtl".into(), "a.mtl: the material library cannot be read"),
+        (image("gone.png"), "object.0.material.texture: gone.png: the texture cannot be read; found No such file"),
+        (image("gone"), "object.0.material.texture: not the name of a texture; found gone"),
+        (image("a.mtl"), "object.0.material.texture: not the name of a texture; found a.mtl"),
+        (image("/dev/zero.png"), "the texture cannot be read"),
+        (image("../../../../etc/passwd"), "not the name of a texture"),
+        (image(&"x".repeat(9000)), "not the name of a texture"),
+        (image(&format!("{}.png", "x".repeat(9000))), "the texture cannot be read; found File name too long"),
+        (image("a.png\nnewmtl b\nmap_Kd b.png"), "found 2: a, b"),
+        ("\u{0}\u{1}\u{2}".into(), "found no `map_Kd`"),
+        ("newmtl a\n".repeat(9000), "found no `map_Kd`"),
+        (image("a.png"), "a.png: the texture cannot be read"),
+    ]
 }

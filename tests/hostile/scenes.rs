@@ -5,15 +5,26 @@ use super::Case;
 const GOOD: &str = "[[object]]\nshape = 'sphere'\ndetail = 0\nmaterial = { preset = 'marble' }\n";
 
 pub fn cases() -> Vec<Case> {
-    let with = |text: &str| format!("{GOOD}{text}");
-    let instead = |from: &str, to: &str| GOOD.replace(from, to);
+    let cases = [files(), objects(), other_tables()].concat();
+    let mut cases: Vec<Case> = cases
+        .into_iter()
+        .map(|(text, words)| Case::new(&[("a.toml", text.as_bytes())], "render a.toml -o a.png --device cpu", words))
+        .collect();
+    let bytes: [(&[u8], &str); 2] =
+        [(b"\xff\xfe\0", "found UTF-16 text, not UTF-8"), (b"unit = '\xe9'", "invalid utf-8")];
+    let line = "render a.toml -o a.png --device cpu";
+    cases.extend(bytes.map(|(bytes, words)| Case::new(&[("a.toml", bytes)], line, words)));
+    cases
+}
+
+/// Files that are no scenes, or too large.
+fn files() -> Vec<(String, &'static str)> {
     let deep = format!("x = {}1{}", "[".repeat(9000), "]".repeat(9000));
     let tables = format!("x = {}1{}", "{a=".repeat(9000), "}".repeat(9000));
     let dotted = format!("{}x = 1", "a.".repeat(9000));
     let many = GOOD.replace("detail = 0", "detail = 8").repeat(256);
     let long = "#".repeat((1 << 22) + 1);
-    let light = "[[light]]\ntype = 'directional'\ndirection = [0, 0, 1]\nirradiance = 1\n";
-    let cases: Vec<(String, &'static str)> = vec![
+    vec![
         (String::new(), "a.toml: object: there is nothing to show"),
         ("\0".into(), "a.toml:1"),
         ("\u{feff}".into(), "nothing to show"),
@@ -22,6 +33,12 @@ pub fn cases() -> Vec<Case> {
         (dotted, "lists or tables too deep in one another"),
         (many, "object: the shapes do not fit the memory; found up to 335544320 triangles"),
         (long, "the scene file cannot be read; found 4194305 bytes; expected at most 4194304 bytes"),
+    ]
+}
+
+fn objects() -> Vec<(String, &'static str)> {
+    let instead = |from: &str, to: &str| GOOD.replace(from, to);
+    vec![
         (instead("detail = 0", "detail = 1e9"), "a.toml:3: object.0.detail: invalid type"),
         (instead("detail = 0", "detail = 99999999999999999999"), "a.toml:3"),
         (instead("detail = 0", "detail = -1"), "a.toml:3: object.0.detail: out of range; found -1; expected 0 to 8"),
@@ -39,6 +56,13 @@ pub fn cases() -> Vec<Case> {
             "no texture of this name is built in",
         ),
         (instead("preset = 'marble'", "preset = 'marble', eta = nan"), "object.0.material.eta: not a finite number"),
+    ]
+}
+
+fn other_tables() -> Vec<(String, &'static str)> {
+    let with = |text: &str| format!("{GOOD}{text}");
+    let light = "[[light]]\ntype = 'directional'\ndirection = [0, 0, 1]\nirradiance = 1\n";
+    vec![
         (with("[camera]\nsize = [0, 5]"), "a.toml:6: camera.size: not a picture size; found [0, 5]"),
         (with("[camera]\nsize = [99999999999, 1]"), "camera.size: not a picture size"),
         (with("[camera]\nsize = [16384, 16384]"), "a frame does not fit the memory; found 20 triangles, 16384 x 16384"),
@@ -65,14 +89,5 @@ pub fn cases() -> Vec<Case> {
         (with("[[object.deform]]\ntype = 'morph'\nmesh = 'b'\nweight = 1"), "a shape made here has no file"),
         (with("[object.material]\npreset = 'milk'"), "a.toml:5"),
         (GOOD.repeat(257), "too many objects; found 257 times [[object]]; expected 1 to 256"),
-    ];
-    let mut cases: Vec<Case> = cases
-        .into_iter()
-        .map(|(text, words)| Case::new(&[("a.toml", text.as_bytes())], "render a.toml -o a.png --device cpu", words))
-        .collect();
-    let bytes: [(&[u8], &str); 2] =
-        [(b"\xff\xfe\0", "found UTF-16 text, not UTF-8"), (b"unit = '\xe9'", "invalid utf-8")];
-    let line = "render a.toml -o a.png --device cpu";
-    cases.extend(bytes.map(|(bytes, words)| Case::new(&[("a.toml", bytes)], line, words)));
-    cases
+    ]
 }

@@ -21,6 +21,27 @@ fn rows(path: &Path) -> Vec<[f64; 4]> {
     text.lines().skip(2).map(row).collect()
 }
 
+/// Light from all sides, as much of which enters a medium of this index as if there were no boundary; or the sun.
+fn light(kind: &str, sun: &str, eta: f64) -> String {
+    let radiance = 1.0 / (std::f64::consts::PI * (1.0 - fresnel::diffuse_external_exact(eta)));
+    match kind {
+        "const" => format!("{{ type = 'environment', radiance = {radiance} }}"),
+        _ => format!("{{ type = 'directional', direction = {sun}, irradiance = 1 }}"),
+    }
+}
+
+/// A session that has walked in this mesh.
+fn walked(mesh: &Path, medium: &str, light: &str, device: &Option<Device>) -> Session {
+    let walks = std::env::var("MILKGLASS_WALKS").unwrap_or("100000".into());
+    let sets =
+        [format!("light=[{light}]"), format!("object.0.material.preset={medium}"), format!("transport.walks={walks}")];
+    let scene = Scene::load_with(mesh.to_str().unwrap(), &sets).unwrap();
+    let options = Options { transport: ShadingMethod::Walk, goal: Goal::Radiosity, ..Options::default() };
+    let mut session = Session::new(&scene, device.as_ref(), options).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session
+}
+
 #[test]
 #[ignore = "needs MILKGLASS_TRUTH, a folder with sphere.obj, torus.obj and their files"]
 fn patches_agree_with_another_walk() {
@@ -29,27 +50,12 @@ fn patches_agree_with_another_walk() {
         return;
     };
     let folder = Path::new(&folder);
-    let walks = std::env::var("MILKGLASS_WALKS").unwrap_or("100000".into());
     let device = Device::best().unwrap().filter(|_| std::env::var_os("MILKGLASS_TRUTH_CPU").is_none());
     let (mut all, mut within, mut squares) = (0, 0, 0.0);
     for (shape, sun) in [("sphere", "[0, 0, 1]"), ("torus", "[1, 0, 1]")] {
         for (medium, eta) in [("marble", 1.5), ("wholemilk", 1.3), ("skin1", 1.3)] {
             for kind in ["const", "dir"] {
-                let radiance = 1.0 / (std::f64::consts::PI * (1.0 - fresnel::diffuse_external_exact(eta)));
-                let light = match kind {
-                    "const" => format!("{{ type = 'environment', radiance = {radiance} }}"),
-                    _ => format!("{{ type = 'directional', direction = {sun}, irradiance = 1 }}"),
-                };
-                let mesh = folder.join(format!("{shape}.obj"));
-                let sets = [
-                    format!("light=[{light}]"),
-                    format!("object.0.material.preset={medium}"),
-                    format!("transport.walks={walks}"),
-                ];
-                let scene = Scene::load_with(mesh.to_str().unwrap(), &sets).unwrap();
-                let options = Options { transport: ShadingMethod::Walk, goal: Goal::Radiosity, ..Options::default() };
-                let mut session = Session::new(&scene, device.as_ref(), options).unwrap();
-                session.frame(Change::EVERYTHING).unwrap();
+                let mut session = walked(&folder.join(format!("{shape}.obj")), medium, &light(kind, sun, eta), &device);
                 let faces = session.faces().unwrap();
                 let parts = patches(session.state(), 0);
                 let places = session.prepared().places(0);

@@ -48,32 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let kernels = arguments.replace.load()?;
     let instance = Instance::open(!arguments.no_validation)?;
     let adapters = instance.adapters()?;
-    let devices: Vec<(usize, &Adapter)> = match arguments.device.as_deref() {
-        Some(wish) if wish.eq_ignore_ascii_case("cpu") => {
-            let fault = Input::new("the CPU is the reference itself").key("--device").found("cpu");
-            return Err(fault.expected("a Vulkan device").into());
-        }
-        Some(wish) => {
-            let found = Adapter::find(&adapters, wish)?;
-            adapters.iter().enumerate().filter(|(_, adapter)| std::ptr::eq(*adapter, found)).collect()
-        }
-        None => {
-            for adapter in adapters.iter().filter(|_| !arguments.child) {
-                if let Some(why) = &adapter.unusable {
-                    tell!("{} is left out: {why}", adapter.name);
-                }
-            }
-            adapters.iter().enumerate().filter(|(_, adapter)| adapter.unusable.is_none()).collect()
-        }
-    };
-    if devices.is_empty() {
-        return Err(Error::device("comparing devices with the CPU", "there is no usable Vulkan device"));
-    }
-    for (_, adapter) in devices.iter().filter(|_| !arguments.child) {
-        if adapter.unusable.is_none() && !adapter.limits.round_to_nearest {
-            tell!("{}: rounding to nearest can't be requested; decisions rely on its default", adapter.name);
-        }
-    }
+    let devices = requested(arguments, &adapters)?;
     let isolated = arguments.isolated();
     let (mut open, mut facts, mut failures) = (Vec::<Device>::new(), Vec::new(), Vec::<Outcome>::new());
     for (index, adapter) in &devices {
@@ -105,4 +80,35 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(error);
     }
     end::end(arguments, sink, before.as_ref(), &choices)
+}
+
+/// The devices that were requested, with their places in the list; tells what is left out, and what they lack.
+fn requested<'a>(arguments: &Arguments, adapters: &'a [Adapter]) -> Result<Vec<(usize, &'a Adapter)>> {
+    let devices: Vec<(usize, &Adapter)> = match arguments.device.as_deref() {
+        Some(wish) if wish.eq_ignore_ascii_case("cpu") => {
+            let fault = Input::new("the CPU is the reference itself").key("--device").found("cpu");
+            return Err(fault.expected("a Vulkan device").into());
+        }
+        Some(wish) => {
+            let found = Adapter::find(adapters, wish)?;
+            adapters.iter().enumerate().filter(|(_, adapter)| std::ptr::eq(*adapter, found)).collect()
+        }
+        None => {
+            for adapter in adapters.iter().filter(|_| !arguments.child) {
+                if let Some(why) = &adapter.unusable {
+                    tell!("{} is left out: {why}", adapter.name);
+                }
+            }
+            adapters.iter().enumerate().filter(|(_, adapter)| adapter.unusable.is_none()).collect()
+        }
+    };
+    if devices.is_empty() {
+        return Err(Error::device("comparing devices with the CPU", "there is no usable Vulkan device"));
+    }
+    for (_, adapter) in devices.iter().filter(|_| !arguments.child) {
+        if adapter.unusable.is_none() && !adapter.limits.round_to_nearest {
+            tell!("{}: rounding to nearest can't be requested; decisions rely on its default", adapter.name);
+        }
+    }
+    Ok(devices)
 }

@@ -25,7 +25,7 @@ use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::profile::file::{Saved, read};
 use milkglass::measure::profile::why::why;
-use milkglass::measure::profile::{Open, Settings, against, agreement, profile, result, variant, work};
+use milkglass::measure::profile::{Open, Profile, Settings, against, agreement, profile, result, variant, work};
 use milkglass::measure::replace::stages;
 use milkglass::measure::rounds::{Forecast, Measured, Samples, Starter, compare};
 use milkglass::scene::Scene;
@@ -66,19 +66,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(fault.expected("a device that `milkglass devices` lists").into());
     }
     let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)])?;
-    let mut comparison = Value::Null;
-    if let Some(after) = &own {
-        let kernels = arguments.replace.load()?;
-        let built_in = || arguments.open(arguments.device.first());
-        let with_own = || built_in()?.map(|device| replaced(&device, &kernels)).transpose();
-        let devices: [(&str, Open<'_>); 2] = [("built-in", &built_in), ("replaced", &with_own)];
-        let edited = stages(after);
-        let found = against(&scene, &devices, &settings, &edited, &mut foretold(&settings))?;
-        comparison = compared(&found.samples, &settings)?;
-        if let (Some(before), Some(rows)) = (&device, comparison.get_mut(0)) {
-            rows["work"] = works(&scene, [before, after], &edited, &settings)?;
-        }
-    }
+    let comparison = match &own {
+        Some(after) => replacement(arguments, &scene, (device.as_ref(), after), &settings)?,
+        None => Value::Null,
+    };
     let device = own.or(device);
     let found = profile(&scene, device.as_ref(), &arguments.alone(&settings))?;
     let reasons = match &device {
@@ -94,17 +85,42 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         print("\n")?;
         files((earlier, path), (&saved, Path::new("this run")))?;
     }
+    let mut json = write_files(arguments, &found)?;
+    if let Some(why) = &reasons {
+        json["why"] = json!(why);
+    }
+    save(arguments, &saved, json, comparison)
+}
+
+/// Writes the requested files but that of `--save`; returns what that has of the profile.
+fn write_files(arguments: &Arguments, found: &Profile) -> Result<Value> {
     if let Some(path) = &arguments.csv {
         write(path, found.csv()?)?;
     }
     if let Some(path) = &arguments.trace {
         write(path, format!("{}\n", found.trace()))?;
     }
-    let mut json = found.json();
-    if let Some(why) = &reasons {
-        json["why"] = json!(why);
+    Ok(found.json())
+}
+
+/// Times the user's own kernels against the built-in ones.
+fn replacement(
+    arguments: &Arguments,
+    scene: &Scene,
+    (before, after): (Option<&Device>, &Device),
+    settings: &Settings,
+) -> Result<Value> {
+    let kernels = arguments.replace.load()?;
+    let built_in = || arguments.open(arguments.device.first());
+    let with_own = || built_in()?.map(|device| replaced(&device, &kernels)).transpose();
+    let devices: [(&str, Open<'_>); 2] = [("built-in", &built_in), ("replaced", &with_own)];
+    let edited = stages(after);
+    let found = against(scene, &devices, settings, &edited, &mut foretold(settings))?;
+    let mut comparison = compared(&found.samples, settings)?;
+    if let (Some(before), Some(rows)) = (before, comparison.get_mut(0)) {
+        rows["work"] = works(scene, [before, after], &edited, settings)?;
     }
-    save(arguments, &saved, json, comparison)
+    Ok(comparison)
 }
 
 /// Times this program's build against another one, each in a process of its own.

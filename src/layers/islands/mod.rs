@@ -70,29 +70,57 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
     let size = DVec2::new(map.size[0].into(), map.size[1].into());
     let place = |[u, v]: [f64; 2]| DVec2::new(u, 1.0 - v) * size - 0.5;
     let mut faces = Faces { mesh, twins: mesh.twins(), places: uvs.iter().map(|uvs| uvs.map(place)).collect() };
-    let (wrap, period) = (map.wrap.code(), map.wrap.period().map(|sides| sides * size));
+    let period = map.wrap.period().map(|sides| sides * size);
+    let (moves, seams) = crossings(&faces, period);
+    if seams == 0 {
+        return Err(Whole::Seamless);
+    }
+    let (of, islands) = flood(&mut faces, &moves, period);
+    let mut sheets = sheets(&faces, &moves, &of, islands);
+    let share = share(&faces, &sheets, map, reach)?;
+    sheets.iter_mut().for_each(|sheet| sheet.place(sheet.margin(reach, share)));
+    let (size, corners) = pack(&sheets);
+    let texels = fill(&faces, &sheets, &of, map, (size, &corners));
+    let island = |(face, places): (usize, &[DVec2; 3])| {
+        let (sheet, corner) = (&sheets[of[face] as usize], corners[of[face] as usize].map(f64::from));
+        let by = DVec2::from_array(corner) - sheet.low();
+        let [a, b, c] = places.map(|p| (p + by).as_vec2().to_array());
+        let (width, height) = sheet.size();
+        let last = [corner[0] + width as f64 - 1.0, corner[1] + height as f64 - 1.0];
+        Island { a, b, c, low: corner.map(|x| x as f32), high: last.map(|x| x as f32) }
+    };
+    let places = faces.places.iter().enumerate().map(island).collect();
+    let margin = sheets.iter().map(|sheet| sheet.wide).max().unwrap_or(0);
+    Ok(Atlas { size, texels, places, islands: islands as usize, seams: seams / 2, margin, share })
+}
 
-    // Find the seams, and the offset by whole periods across each other edge.
-    let whole = |d: DVec2| period.map_or(DVec2::ZERO, |period| (d / period).round() * period);
-    let mut moves = vec![None; 3 * uvs.len()];
+/// A distance in the maps rounded to whole periods.
+fn whole(d: DVec2, period: Option<DVec2>) -> DVec2 {
+    period.map_or(DVec2::ZERO, |period| (d / period).round() * period)
+}
+
+/// For each half-edge the offset by whole periods across it, none where it separates islands; and the number of half-edges at seams.
+fn crossings(faces: &Faces<'_>, period: Option<DVec2>) -> (Vec<Option<DVec2>>, usize) {
+    let mut moves = vec![None; 3 * faces.places.len()];
     let mut seams = 0;
     for half in 0..moves.len() as u32 {
         let Some(apart) = faces.apart(half) else { continue };
-        let by = whole(apart[0]);
+        let by = whole(apart[0], period);
         let far = |d: DVec2, by: DVec2| (d - by).abs().max_element() > SAME;
-        seams += usize::from(apart.iter().all(|&d| far(d, whole(d))));
+        seams += usize::from(apart.iter().all(|&d| far(d, whole(d, period))));
         if !apart.iter().any(|&d| far(d, by)) {
             moves[half as usize] = Some(by);
         }
     }
-    if seams == 0 {
-        return Err(Whole::Seamless);
-    }
+    (moves, seams)
+}
 
-    // Flood fill across all other edges, island by island.
-    let mut of = vec![NONE; uvs.len()];
+/// The island of each triangle, and their number. Triangles of an island are moved together by whole periods.
+fn flood(faces: &mut Faces<'_>, moves: &[Option<DVec2>], period: Option<DVec2>) -> (Vec<u32>, u32) {
+    let before: Vec<DVec2> = faces.places.iter().map(|places| places[0]).collect();
+    let mut of = vec![NONE; before.len()];
     let mut islands = 0;
-    for first in 0..uvs.len() {
+    for first in 0..of.len() {
         if of[first] != NONE {
             continue;
         }
@@ -105,7 +133,7 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
                 if of[next] == NONE {
                     of[next] = islands;
                     // `moves` refer to the original positions; this face has since been moved by whole periods.
-                    let here = whole(faces.places[face][0] - place(uvs[face][0]));
+                    let here = whole(faces.places[face][0] - before[face], period);
                     faces.places[next] = faces.places[next].map(|p| p + by + here);
                     waiting.push_back(next);
                 }
@@ -113,35 +141,54 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
         }
         islands += 1;
     }
-    let closes = |half: usize| moves[half].is_some() && faces.apart(half as u32).is_some_and(|d| d[0].length() < 1.0);
-    let border: Vec<u32> = (0..moves.len()).filter(|&half| !closes(half)).map(|half| half as u32).collect();
+    (of, islands)
+}
 
-    // Size of each island, and the widest margins within the limits.
+/// The triangles and the border of each island, without margins.
+fn sheets(faces: &Faces<'_>, moves: &[Option<DVec2>], of: &[u32], islands: u32) -> Vec<Sheet> {
+    let closes = |half: usize| moves[half].is_some() && faces.apart(half as u32).is_some_and(|d| d[0].length() < 1.0);
     let mut sheets = vec![Sheet::default(); islands as usize];
     for (face, &island) in of.iter().enumerate() {
-        sheets[island as usize].hold(face as u32, &faces);
+        sheets[island as usize].hold(face as u32, faces);
     }
-    border.iter().for_each(|&half| sheets[of[half as usize / 3] as usize].border.push(half));
-    let runs = map.texels.len() / (map.size[0] as usize * map.size[1] as usize).max(1);
-    let most = MOST.max(2 * map.texels.len()) as f64;
-    let texels =
-        |share: f64| sheets.iter().map(|sheet| sheet.texels(sheet.margin(reach, share))).sum::<f64>() * runs as f64;
-    let work = |share: f64| sheets.iter().map(|sheet| sheet.work(&faces, sheet.margin(reach, share))).sum::<f64>();
-    let fits = |share: &f64| texels(*share) <= most && work(*share) <= MOST_WORK;
-    let Some(share) = (0..40).map(|k| 0.8f64.powi(k)).chain([0.0]).find(fits) else {
-        let texels = texels(0.0);
-        return Err(if texels > most { Whole::TooLarge(texels as usize) } else { Whole::TooFolded });
-    };
-    sheets.iter_mut().for_each(|sheet| sheet.place(sheet.margin(reach, share)));
+    for half in (0..moves.len()).filter(|&half| !closes(half)) {
+        sheets[of[half / 3] as usize].border.push(half as u32);
+    }
+    sheets
+}
 
-    // Fill the atlas, island by island.
-    let own = |x: i64, y: i64, run: usize| {
+/// The maps that a depth map has, one below another.
+fn runs(map: &DepthMap) -> usize {
+    map.texels.len() / (map.size[0] as usize * map.size[1] as usize).max(1)
+}
+
+/// The largest share of the reach that margins can cover within the limits.
+fn share(faces: &Faces<'_>, sheets: &[Sheet], map: &DepthMap, reach: f64) -> Result<f64, Whole> {
+    let (runs, most) = (runs(map) as f64, MOST.max(2 * map.texels.len()) as f64);
+    let texels = |share: f64| sheets.iter().map(|sheet| sheet.texels(sheet.margin(reach, share))).sum::<f64>() * runs;
+    let work = |share: f64| sheets.iter().map(|sheet| sheet.work(faces, sheet.margin(reach, share))).sum::<f64>();
+    let fits = |share: &f64| texels(*share) <= most && work(*share) <= MOST_WORK;
+    (0..40).map(|k| 0.8f64.powi(k)).chain([0.0]).find(fits).ok_or_else(|| {
+        let texels = texels(0.0);
+        if texels > most { Whole::TooLarge(texels as usize) } else { Whole::TooFolded }
+    })
+}
+
+/// The texels of an atlas of this size, whose islands have their upper left corners there.
+fn fill(
+    faces: &Faces<'_>,
+    sheets: &[Sheet],
+    of: &[u32],
+    map: &DepthMap,
+    (size, corners): ([u32; 2], &[[u32; 2]]),
+) -> Vec<[f32; 4]> {
+    let (wrap, runs) = (map.wrap.code(), runs(map));
+    let mapped = |x: i64, y: i64, run: usize| {
         let row = texel(y, map.size[1], wrap) as usize + run * map.size[1] as usize;
         map.texels[row * map.size[0] as usize + texel(x, map.size[0], wrap) as usize]
     };
-    let (size, corners) = pack(&sheets);
     let mut all = vec![[0.0; 4]; size[0] as usize * size[1] as usize * runs];
-    for (number, part) in margin::fill(&faces, &sheets, &of, runs, &own).into_iter().enumerate() {
+    for (number, part) in margin::fill(faces, sheets, of, runs, &mapped).into_iter().enumerate() {
         let (width, height) = sheets[number].size();
         for (row, line) in part.chunks_exact(width).enumerate() {
             let (run, y) = (row / height, row % height + corners[number][1] as usize);
@@ -149,17 +196,7 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
             all[at..at + width].copy_from_slice(line);
         }
     }
-    let island = |(face, places): (usize, &[DVec2; 3])| {
-        let (sheet, corner) = (&sheets[of[face] as usize], corners[of[face] as usize].map(f64::from));
-        let by = DVec2::from_array(corner) - sheet.low();
-        let [a, b, c] = places.map(|p| (p + by).as_vec2().to_array());
-        let (width, height) = sheet.size();
-        let last = [corner[0] + width as f64 - 1.0, corner[1] + height as f64 - 1.0];
-        Island { a, b, c, low: corner.map(|x| x as f32), high: last.map(|x| x as f32) }
-    };
-    let places = faces.places.iter().enumerate().map(island).collect();
-    let margin = sheets.iter().map(|sheet| sheet.wide).max().unwrap_or(0);
-    Ok(Atlas { size, texels: all, places, islands: islands as usize, seams: seams / 2, margin, share })
+    all
 }
 
 /// Packs the islands in rows, the highest first: the atlas's size and the upper left corner of each island.

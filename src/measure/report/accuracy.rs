@@ -7,6 +7,30 @@ use crate::measure::plot::{Axis, Panel, Series};
 use crate::measure::table::Table;
 use crate::scene::PRESETS;
 
+const WALK: &str = "the same by a random walk, and its standard error";
+const ERROR: &str = "the dipole's error, per cent of the walk's value";
+/// The columns of the table: names, and what they mean.
+const COLUMNS: [(&str, &str); 18] = [
+    ("material", ""),
+    ("channel", ""),
+    ("albedo'", "reduced albedo: scattering over extinction"),
+    ("plane, collimated: dipole", "share of perpendicular light that a half-space returns, by the dipole"),
+    ("plane, collimated: walk", WALK),
+    ("plane, collimated: error %", ERROR),
+    ("plane, constant: dipole", "share of light from all sides that a half-space returns"),
+    ("plane, constant: walk", WALK),
+    ("plane, constant: error %", ERROR),
+    ("slab, passes: dipole", "share of light that passes a slab"),
+    ("slab, passes: walk", WALK),
+    ("slab, passes: error %", ERROR),
+    ("ball, constant: dipole", "share of light from all sides that a ball returns"),
+    ("ball, constant: walk", WALK),
+    ("ball, constant: error %", ERROR),
+    ("ball, collimated: L2 %", "the dipole's error on a ball in the sun: L2 over its surface, against the walk"),
+    ("walk's noise %", "the walk's own noise, which is taken off that"),
+    ("numerical %", "our error against brute force with the same dipole"),
+];
+
 /// Measures all presets and channels.
 pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let effort = Effort { photons: bench.either(2_000, 40_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
@@ -53,29 +77,13 @@ pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     ];
     let axes = [Axis::log("1 - reduced albedo"), Axis::log("error, %")];
     page.plot(&Panel::new("Model error and numerical error", axes, series).svg()?, false);
-    let walk = "the same by a random walk, and its standard error";
-    let error = "the dipole's error, per cent of the walk's value";
-    let columns = [
-        ("material", ""),
-        ("channel", ""),
-        ("albedo'", "reduced albedo: scattering over extinction"),
-        ("plane, collimated: dipole", "share of perpendicular light that a half-space returns, by the dipole"),
-        ("plane, collimated: walk", walk),
-        ("plane, collimated: error %", error),
-        ("plane, constant: dipole", "share of light from all sides that a half-space returns"),
-        ("plane, constant: walk", walk),
-        ("plane, constant: error %", error),
-        ("slab, passes: dipole", "share of light that passes a slab"),
-        ("slab, passes: walk", walk),
-        ("slab, passes: error %", error),
-        ("ball, constant: dipole", "share of light from all sides that a ball returns"),
-        ("ball, constant: walk", walk),
-        ("ball, constant: error %", error),
-        ("ball, collimated: L2 %", "the dipole's error on a ball in the sun: L2 over its surface, against the walk"),
-        ("walk's noise %", "the walk's own noise, which is taken off that"),
-        ("numerical %", "our error against brute force with the same dipole"),
-    ];
-    page.table("accuracy", &Table::new(columns, rows))?;
+    page.table("accuracy", &Table::new(COLUMNS, rows))?;
+    find(&errors, page);
+    Ok(())
+}
+
+/// Tells the medians of the errors of the model on balls, and of ours.
+fn find(errors: &[(f64, f64)], page: &mut Page) {
     let middle = |of: fn(&(f64, f64)) -> f64| {
         let mut list: Vec<f64> = errors.iter().map(of).collect();
         list.sort_by(f64::total_cmp);
@@ -89,5 +97,4 @@ pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let found = format!("{:.0} % off (median of {of} materials, balls of {paths} mean free paths)", 100.0 * model);
     page.find(Tone::Loss, "the dipole agrees with a random walk", &found);
     page.tile(Tone::Loss, &format!("{:.0} %", 100.0 * model), "error of the dipole model itself, against random walks");
-    Ok(())
 }

@@ -23,51 +23,76 @@ fn named(rule: Integration) -> &'static str {
 /// Errors and times by number of samples, cost by number of lights, each approximation on its own, and pictures of
 /// the fish.
 pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    let size = bench.either([120, 90], [800, 600]);
+    let looks = Looks { sizes: bench.either([size, [240, 180]], [size, [400, 300]]), pixels: bench.either(512, 2048) };
+    integration(bench, page, looks)?;
+    lights(bench, page, size)?;
+    alone(page, looks)?;
+    pictures(bench, page)
+}
+
+/// Frames that are timed.
+fn repeat(bench: &Bench<'_>) -> usize {
+    bench.either(3, 7)
+}
+
+/// Errors and times of both rules, by number of samples.
+fn integration(bench: &Bench<'_>, page: &mut Page, looks: Looks) -> Result<()> {
     page.head("Table 2: samples, error and time");
     page.say(
         "Error of the integration alone, and of everything together, with its 95 % confidence interval over the pixels \
          sampled. The paper's frames per second are those of a GeForce 7800 GTX at 800 x 600.",
     );
-    let size = bench.either([120, 90], [800, 600]);
-    let repeat = bench.either(3, 7);
-    let looks = Looks { sizes: bench.either([size, [240, 180]], [size, [400, 300]]), pixels: bench.either(512, 2048) };
     let mut rows: Vec<(&str, Measured)> = Vec::new();
     for name in ["slab-layers", "fish", "gecko"] {
         let samples: &[u32] = if name == "fish" { &SWEEP } else { &SAMPLES };
-        let lines = rules(&scene(name, size, &[])?, bench.device, samples, looks, repeat)?;
+        let lines = rules(&scene(name, looks.sizes[0], &[])?, bench.device, samples, looks, repeat(bench))?;
         rows.extend(lines.iter().filter(|line| SAMPLES.contains(&line.samples)).map(|line| (name, line.clone())));
         if name == "fish" {
-            let of = |rule: Integration| lines.iter().filter(move |line| line.rule == rule);
-            let plot = |title: &str, x: &str, by: fn(&Measured) -> f64| {
-                let errors = |rule| of(rule).map(move |line| (by(line), line.integration));
-                let series = RULES.map(|(rule, name)| Series::line(name, errors(rule)));
-                Panel::new(title, [Axis::log(x), Axis::log("relative error, L2")], series).svg()
-            };
-            page.plots(&[
-                plot("Figure 14: error by samples, fish", "samples", |line| f64::from(line.samples))?,
-                plot("Error by time, fish", "stage relief, ms", |line| line.relief)?,
-            ]);
+            plots(&lines, page)?;
         }
-        let at = |rule, samples| lines.iter().find(|line| line.rule == rule && line.samples == samples);
-        if let (Some(ours), Some(theirs)) = (at(Integration::Exact, 10), at(Integration::Paper, 100)) {
-            let tone = Tone::of(ours.integration <= theirs.integration);
-            let (ours, theirs) = (ours.integration, theirs.integration);
-            let aim = format!("{name}: 10 samples err no more than 100 of the published rule");
-            page.find(tone, &aim, &format!("{ours:.1e} against {theirs:.1e}"));
-        }
-        let cost =
-            |&samples: &u32| Some(at(Integration::Exact, samples)?.relief / at(Integration::Paper, samples)?.relief);
-        let costs: Vec<f64> = SAMPLES.iter().filter_map(cost).collect();
-        let cost = median(costs);
-        let tone = Tone::of(cost <= 1.2);
-        let aim = format!("{name}: a sample takes at most 1.2 of the time of one of the published rule");
-        page.find(tone, &aim, &format!("{cost:.2}"));
+        find(name, &lines, page);
     }
-    page.table("layers", &table_2(&rows, looks))?;
+    page.table("layers", &table_2(&rows, looks))
+}
 
+/// Error of each rule by its samples, and by its time.
+fn plots(lines: &[Measured], page: &mut Page) -> Result<()> {
+    let by_rule = |rule: Integration| lines.iter().filter(move |line| line.rule == rule);
+    let plot = |title: &str, x: &str, by: fn(&Measured) -> f64| {
+        let errors = |rule| by_rule(rule).map(move |line| (by(line), line.integration));
+        let series = RULES.map(|(rule, name)| Series::line(name, errors(rule)));
+        Panel::new(title, [Axis::log(x), Axis::log("relative error, L2")], series).svg()
+    };
+    page.plots(&[
+        plot("Figure 14: error by samples, fish", "samples", |line| f64::from(line.samples))?,
+        plot("Error by time, fish", "stage relief, ms", |line| line.relief)?,
+    ]);
+    Ok(())
+}
+
+/// What ten samples err, and what one costs, beside the published rule.
+fn find(name: &str, lines: &[Measured], page: &mut Page) {
+    let at = |rule, samples| lines.iter().find(|line| line.rule == rule && line.samples == samples);
+    if let (Some(ours), Some(theirs)) = (at(Integration::Exact, 10), at(Integration::Paper, 100)) {
+        let tone = Tone::of(ours.integration <= theirs.integration);
+        let (ours, theirs) = (ours.integration, theirs.integration);
+        let aim = format!("{name}: 10 samples err no more than 100 of the published rule");
+        page.find(tone, &aim, &format!("{ours:.1e} against {theirs:.1e}"));
+    }
+    let cost = |&samples: &u32| Some(at(Integration::Exact, samples)?.relief / at(Integration::Paper, samples)?.relief);
+    let costs: Vec<f64> = SAMPLES.iter().filter_map(cost).collect();
+    let cost = median(costs);
+    let tone = Tone::of(cost <= 1.2);
+    let aim = format!("{name}: a sample takes at most 1.2 of the time of one of the published rule");
+    page.find(tone, &aim, &format!("{cost:.2}"));
+}
+
+/// Cost by number of lights.
+fn lights(bench: &Bench<'_>, page: &mut Page, size: [u32; 2]) -> Result<()> {
     page.head("Cost by lights");
     let counts = bench.either(&[1, 2, 4][..], &[1, 2, 4, 8, 16]);
-    let costs = by_lights(&scene("fish", size, &[])?, bench.device, counts, repeat)?;
+    let costs = by_lights(&scene("fish", size, &[])?, bench.device, counts, repeat(bench))?;
     let most = dearer(&costs);
     let aim = "fish: of several lights each takes at most 1.1 of the time of one alone";
     page.find(Tone::of(most <= 1.1), aim, &format!("at most {most:.2}"));
@@ -79,12 +104,15 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             ("ms a light", "", &|(count, ms)| format!("{:.2}", ms / f64::from(*count))),
         ],
     );
-    page.table("layers-lights", &table)?;
+    page.table("layers-lights", &table)
+}
 
+/// Each approximation alone, and light from behind.
+fn alone(page: &mut Page, looks: Looks) -> Result<()> {
     page.head("Each approximation by itself");
     let (mut rows, mut behind) = (Vec::new(), Vec::new());
     for name in ["slab-layers", "fish", "gecko"] {
-        let both = approximations(&scene(name, size, &[])?, looks)?;
+        let both = approximations(&scene(name, looks.sizes[0], &[])?, looks)?;
         for ((what, one), (_, other)) in both[0].errors.iter().zip(&both[1].errors) {
             rows.push(vec![name.to_string(), (*what).to_string(), one.to_string(), other.to_string()]);
         }
@@ -117,8 +145,11 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("pixels in front", "those with at most 1 % of such light"),
         ("L2 in front", "relative error over these, with its 95 % interval"),
     ];
-    page.table("layers-behind", &Table::new(columns, behind))?;
+    page.table("layers-behind", &Table::new(columns, behind))
+}
 
+/// The fish by both rules, and what differs.
+fn pictures(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("The fish by its samples");
     let size = bench.either([240, 180], [480, 360]);
     for samples in SAMPLES {

@@ -9,52 +9,9 @@ use crate::measure::tables::{Bench as Models, TABLES};
 
 /// The figures, then the tables.
 pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
-    page.head("Figure 3: the form factor of a triangle of skim milk");
-    page.say("Base 10 mm, height 5 mm; the tip points to the receiver, which lies in the plane. Lines: exact; dots: the published method.");
-    let third = figure_3();
-    let channel = |c: usize| {
-        let own = |of: fn(&Point) -> f64| third.iter().filter(move |p| p.channel == c).map(move |p| (p.place, of(p)));
-        let exact = Series::line(NAMES[c], own(|p| p.exact));
-        [exact, Series::dots("paper's method", own(|p| p.paper.value))].map(|series| series.colored(CHANNELS[c]))
-    };
-    let green = |name: &str, points: &[Point], of: &dyn Fn(&Point) -> f64| {
-        Series::line(name, points.iter().filter(|p| p.channel == 1).map(|p| (p.place, of(p).abs())))
-    };
-    let errors = [
-        green("paper's method", &third, &|p| p.error(p.paper.value)),
-        green("12 random samples, rms", &third, &|p| p.scatter / 12f64.sqrt()),
-        green("10,000 random samples", &third, &|p| p.scatter / 100.0),
-        green("ours at 1e-2", &third, &|p| p.error(p.ours[0].1)),
-        green("ours at 1e-4", &third, &|p| p.error(p.ours[1].1)),
-    ];
-    let tip = || Axis::linear("receiver to tip, mm");
-    page.plots(&[
-        Panel::new("Figure 3: form factor", [tip(), Axis::linear("F, no unit")], (0..3).flat_map(channel)).svg()?,
-        Panel::new("Its error, green", [tip(), Axis::log("relative error")], errors).svg()?,
-    ]);
-    all_points(page, "figure-3", "tip_mm", &third)?;
-
-    page.head("Figure 4: marble, from 0.1 to 100 mm");
-    page.say("The receiver at the tip, the base twice as wide as its distance. Evaluations of the kernel, and the resulting error.");
-    let fourth = figure_4();
-    let counts = [
-        green("paper's segments", &fourth, &|p| p.paper.segments as f64 / 2.0),
-        green("samples, Jensen and Buhler", &fourth, &|p| p.discs as f64),
-        green("ours at 1e-2", &fourth, &|p| p.ours[0].0 as f64),
-        green("ours at 1e-4", &fourth, &|p| p.ours[1].0 as f64),
-    ];
-    let errors = [
-        green("paper's method", &fourth, &|p| p.error(p.paper.value)),
-        green("samples, rms", &fourth, &|p| p.scatter / (p.discs as f64).sqrt()),
-        green("ours at 1e-2", &fourth, &|p| p.error(p.ours[0].1)),
-        green("ours at 1e-4", &fourth, &|p| p.error(p.ours[1].1)),
-    ];
-    let base = || Axis::log("receiver to base, mm");
-    page.plots(&[
-        Panel::new("Figure 4: evaluations a source, green", [base(), Axis::log("evaluations")], counts).svg()?,
-        Panel::new("Its error, green", [base(), Axis::log("relative error")], errors).svg()?,
-    ]);
-    all_points(page, "figure-4", "base_mm", &fourth)?;
+    let (third, fourth) = (figure_3(), figure_4());
+    form_factor(&third, page)?;
+    marble(&fourth, page)?;
     for (name, points) in [("figure 3", &third), ("figure 4", &fourth)] {
         let most = |of: &dyn Fn(&Point) -> f64| points.iter().map(|p| of(p).abs()).fold(0.0, f64::max);
         let (paper, ours) = (most(&|p| p.error(p.paper.value)), most(&|p| p.error(p.ours[1].1)));
@@ -62,7 +19,61 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         let aim = format!("{name}: largest error at most that of the published method");
         page.find(tone, &aim, &format!("ours at {:e}: {ours:.1e}, published: {paper:.1e}", TOLERANCES[1]));
     }
+    tables(bench, page)
+}
 
+/// A line of the green channel.
+fn green(name: &str, points: &[Point], of: &dyn Fn(&Point) -> f64) -> Series {
+    Series::line(name, points.iter().filter(|p| p.channel == 1).map(|p| (p.place, of(p).abs())))
+}
+
+fn form_factor(third: &[Point], page: &mut Page) -> Result<()> {
+    page.head("Figure 3: the form factor of a triangle of skim milk");
+    page.say("Base 10 mm, height 5 mm; the tip points to the receiver, which lies in the plane. Lines: exact; dots: the published method.");
+    let channel = |c: usize| {
+        let own = |of: fn(&Point) -> f64| third.iter().filter(move |p| p.channel == c).map(move |p| (p.place, of(p)));
+        let exact = Series::line(NAMES[c], own(|p| p.exact));
+        [exact, Series::dots("paper's method", own(|p| p.paper.value))].map(|series| series.colored(CHANNELS[c]))
+    };
+    let errors = [
+        green("paper's method", third, &|p| p.error(p.paper.value)),
+        green("12 random samples, rms", third, &|p| p.scatter / 12f64.sqrt()),
+        green("10,000 random samples", third, &|p| p.scatter / 100.0),
+        green("ours at 1e-2", third, &|p| p.error(p.ours[0].1)),
+        green("ours at 1e-4", third, &|p| p.error(p.ours[1].1)),
+    ];
+    let tip = || Axis::linear("receiver to tip, mm");
+    page.plots(&[
+        Panel::new("Figure 3: form factor", [tip(), Axis::linear("F, no unit")], (0..3).flat_map(channel)).svg()?,
+        Panel::new("Its error, green", [tip(), Axis::log("relative error")], errors).svg()?,
+    ]);
+    all_points(page, "figure-3", "tip_mm", third)
+}
+
+fn marble(fourth: &[Point], page: &mut Page) -> Result<()> {
+    page.head("Figure 4: marble, from 0.1 to 100 mm");
+    page.say("The receiver at the tip, the base twice as wide as its distance. Evaluations of the kernel, and the resulting error.");
+    let counts = [
+        green("paper's segments", fourth, &|p| p.paper.segments as f64 / 2.0),
+        green("samples, Jensen and Buhler", fourth, &|p| p.discs as f64),
+        green("ours at 1e-2", fourth, &|p| p.ours[0].0 as f64),
+        green("ours at 1e-4", fourth, &|p| p.ours[1].0 as f64),
+    ];
+    let errors = [
+        green("paper's method", fourth, &|p| p.error(p.paper.value)),
+        green("samples, rms", fourth, &|p| p.scatter / (p.discs as f64).sqrt()),
+        green("ours at 1e-2", fourth, &|p| p.error(p.ours[0].1)),
+        green("ours at 1e-4", fourth, &|p| p.error(p.ours[1].1)),
+    ];
+    let base = || Axis::log("receiver to base, mm");
+    page.plots(&[
+        Panel::new("Figure 4: evaluations a source, green", [base(), Axis::log("evaluations")], counts).svg()?,
+        Panel::new("Its error, green", [base(), Axis::log("relative error")], errors).svg()?,
+    ]);
+    all_points(page, "figure-4", "base_mm", fourth)
+}
+
+fn tables(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("Tables 3, 4 and 5");
     page.say(
         "The published scheme on this device; the paper's columns first. Its models are not available, so built-in shapes \

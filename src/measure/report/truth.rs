@@ -38,6 +38,21 @@ const METHODS: [(&str, ShadingMethod, bool); 4] = [
     ("Lambert", ShadingMethod::Lambert, false),
 ];
 
+/// The columns of the table: names, and what they mean.
+const COLUMNS: [(&str, &str); 11] = [
+    ("shape", ""),
+    ("material", ""),
+    ("method", ""),
+    ("red %", "relative L2 error against the walk, the walk's noise taken off"),
+    ("green %", "the same"),
+    ("blue %", "the same"),
+    ("FLIP", "perceptual difference of the pictures, 0 to 1; the walk's noise counts"),
+    ("frame, ms", "a frame from scratch on the device"),
+    ("walk's noise %", "relative L2 of the walk's standard errors over the same patches, worst channel"),
+    ("photons", "of the walk, each channel"),
+    ("walk, s", "time of the walk"),
+];
+
 /// Radiosity of every triangle by a method, in the mesh's order, the picture and the milliseconds of a frame.
 fn solved(scene: &Scene, bench: &Bench<'_>, method: ShadingMethod) -> Result<(Vec<[f64; 3]>, Shot)> {
     let mut session = Session::new(scene, bench.device, Options { transport: method, ..Options::default() })?;
@@ -112,20 +127,7 @@ fn compare(bench: &Bench<'_>, page: &mut Page, shapes: &[Shape], side: u32, effo
             page.pictures(&shown);
         }
     }
-    let columns = [
-        ("shape", ""),
-        ("material", ""),
-        ("method", ""),
-        ("red %", "relative L2 error against the walk, the walk's noise taken off"),
-        ("green %", "the same"),
-        ("blue %", "the same"),
-        ("FLIP", "perceptual difference of the pictures, 0 to 1; the walk's noise counts"),
-        ("frame, ms", "a frame from scratch on the device"),
-        ("walk's noise %", "relative L2 of the walk's standard errors over the same patches, worst channel"),
-        ("photons", "of the walk, each channel"),
-        ("walk, s", "time of the walk"),
-    ];
-    page.table("truth", &Table::new(columns, rows))?;
+    page.table("truth", &Table::new(COLUMNS, rows))?;
     for (error, shape, material) in worst {
         let aim = format!("{shape}, {material}: the dipole is within 5 % of a random walk");
         page.find(Tone::of(error <= 0.05), &aim, &format!("{:.1} %", 100.0 * error));

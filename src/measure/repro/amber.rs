@@ -33,23 +33,7 @@ impl Type {
 /// The script, which has to lie beside the files of the case.
 #[must_use]
 pub fn script(case: &Case) -> String {
-    let mut text = String::from("#!amber\n");
-    let about = &case.about;
-    for (key, value) in [
-        ("stage", format!("{}: {}", about.stage, about.does)),
-        ("step", format!("{}, {}", about.step, about.dispatches)),
-        ("from", format!("{}, on {}, {}", about.fixture, about.device, about.driver)),
-        ("tolerance", about.tolerance.clone()),
-        ("run", "amber -d -v 1.2 -t spv1.5 case.amber".into()),
-    ] {
-        // A comment ends with its line.
-        let _ = writeln!(text, "# {key}: {}", value.replace(['\n', '\r'], " "));
-    }
-    text += "# The modules have scalar block layout, which Amber can't ask for: drivers take it, the validation layer (-d) does not.\n\n";
-    if let Some(seconds) = about.seconds {
-        let _ = writeln!(text, "# The device did not end this: a run may take half of what two of them may.");
-        let _ = writeln!(text, "SET ENGINE_DATA fence_timeout_ms {}\n", (500.0 * seconds).ceil());
-    }
+    let mut text = head(case);
     let names = modules(case);
     let mut declared: Vec<&String> = Vec::new();
     for name in &names {
@@ -69,31 +53,7 @@ pub fn script(case: &Case) -> String {
         let _ = writeln!(text, "BUFFER push{k} DATA_TYPE uint32 DATA\n {}\nEND", listed(&dispatch.push));
     }
     for &kind in types {
-        for (k, (dispatch, module)) in case.dispatches.iter().zip(&names).enumerate() {
-            let _ = write!(text, "\nPIPELINE compute run{k}{}\n  ATTACH {module}", kind.ending());
-            let by_device = set_by_device(&dispatch.kernel, &dispatch.spirv, dispatch.lanes);
-            for (id, value) in (0..).zip(dispatch.constants.iter().copied()).chain(by_device) {
-                let _ = write!(text, " SPECIALIZE {id} AS uint32 {value}");
-            }
-            text.push('\n');
-            for b in &dispatch.bindings {
-                let part = &case.buffers[b.buffer];
-                let ending = if case.writes(b.buffer) { kind.ending() } else { "" };
-                let _ = write!(
-                    text,
-                    "  BIND BUFFER {}{ending} AS storage DESCRIPTOR_SET 0 BINDING {}",
-                    part.name, b.number
-                );
-                if b.bytes < 4 * part.before.len() as u64 {
-                    let _ = write!(text, " DESCRIPTOR_RANGE {}", b.bytes);
-                }
-                text.push('\n');
-            }
-            if !dispatch.push.is_empty() {
-                let _ = writeln!(text, "  BIND BUFFER push{k} AS push_constant");
-            }
-            text += "END\n";
-        }
+        pipelines(&mut text, case, kind, &names);
     }
     for &kind in types {
         text.push('\n');
@@ -107,6 +67,54 @@ pub fn script(case: &Case) -> String {
         expectations(&mut text, part);
     }
     text
+}
+
+/// What the case is about, and how long a run may take.
+fn head(case: &Case) -> String {
+    let mut text = String::from("#!amber\n");
+    let about = &case.about;
+    for (key, value) in [
+        ("stage", format!("{}: {}", about.stage, about.does)),
+        ("step", format!("{}, {}", about.step, about.dispatches)),
+        ("from", format!("{}, on {}, {}", about.fixture, about.device, about.driver)),
+        ("tolerance", about.tolerance.clone()),
+        ("run", "amber -d -v 1.2 -t spv1.5 case.amber".into()),
+    ] {
+        // A comment ends with its line.
+        let _ = writeln!(text, "# {key}: {}", value.replace(['\n', '\r'], " "));
+    }
+    text += "# The modules have scalar block layout, which Amber can't ask for: drivers take it, the validation layer (-d) does not.\n\n";
+    if let Some(seconds) = about.seconds {
+        let _ = writeln!(text, "# The device did not end this: a run may take half of what two of them may.");
+        let _ = writeln!(text, "SET ENGINE_DATA fence_timeout_ms {}\n", (500.0 * seconds).ceil());
+    }
+    text
+}
+
+/// Declares the pipeline of each dispatch.
+fn pipelines(text: &mut String, case: &Case, kind: Type, names: &[String]) {
+    for (k, (dispatch, module)) in case.dispatches.iter().zip(names).enumerate() {
+        let _ = write!(text, "\nPIPELINE compute run{k}{}\n  ATTACH {module}", kind.ending());
+        let by_device = set_by_device(&dispatch.kernel, &dispatch.spirv, dispatch.lanes);
+        for (id, value) in (0..).zip(dispatch.constants.iter().copied()).chain(by_device) {
+            let _ = write!(text, " SPECIALIZE {id} AS uint32 {value}");
+        }
+        text.push('\n');
+        for b in &dispatch.bindings {
+            let part = &case.buffers[b.buffer];
+            let ending = if case.writes(b.buffer) { kind.ending() } else { "" };
+            let _ =
+                write!(text, "  BIND BUFFER {}{ending} AS storage DESCRIPTOR_SET 0 BINDING {}", part.name, b.number);
+            if b.bytes < 4 * part.before.len() as u64 {
+                let _ = write!(text, " DESCRIPTOR_RANGE {}", b.bytes);
+            }
+            text.push('\n');
+        }
+        if !dispatch.push.is_empty() {
+            let _ = writeln!(text, "  BIND BUFFER push{k} AS push_constant");
+        }
+        *text += "END\n";
+    }
 }
 
 /// Declares the buffers that dispatches bind, and those that they are compared with.

@@ -76,24 +76,9 @@ impl Case {
         }
         let mut dispatches = Vec::new();
         for (dispatch, module) in self.dispatches.iter().zip(modules(self)) {
-            let bind = |b: &Bound| BindingFile {
-                binding: b.number,
-                buffer: self.buffers[b.buffer].name.clone(),
-                bytes: b.bytes,
-                writes: b.writes,
-            };
             files.insert(format!("{module}.spv"), bytes(&dispatch.spirv));
             files.insert(format!("{module}.spvasm"), disassembled(&dispatch.spirv).into_bytes());
-            dispatches.push(DispatchFile {
-                kernel: dispatch.kernel.clone(),
-                spirv: format!("{module}.spv"),
-                constants: dispatch.constants.clone(),
-                push_constants: dispatch.push.clone(),
-                lanes: dispatch.lanes,
-                groups: dispatch.groups,
-                first_group: dispatch.first_group,
-                bindings: dispatch.bindings.iter().map(bind).collect(),
-            });
+            dispatches.push(self.dispatch_file(dispatch, &module));
         }
         files.insert("case.amber".into(), amber::script(self).into_bytes());
         let about = self.about.clone();
@@ -117,6 +102,26 @@ impl Case {
             Error::from(Input::new(format!("could not be written: {error}")).file(CASE.page.as_ref()))
         })?;
         folder.fill(&format!("{text}\n"), &files.into_iter().collect::<Vec<_>>())
+    }
+
+    /// A dispatch as the file has it.
+    fn dispatch_file(&self, dispatch: &Dispatch, module: &str) -> DispatchFile {
+        let bind = |b: &Bound| BindingFile {
+            binding: b.number,
+            buffer: self.buffers[b.buffer].name.clone(),
+            bytes: b.bytes,
+            writes: b.writes,
+        };
+        DispatchFile {
+            kernel: dispatch.kernel.clone(),
+            spirv: format!("{module}.spv"),
+            constants: dispatch.constants.clone(),
+            push_constants: dispatch.push.clone(),
+            lanes: dispatch.lanes,
+            groups: dispatch.groups,
+            first_group: dispatch.first_group,
+            bindings: dispatch.bindings.iter().map(bind).collect(),
+        }
     }
 
     /// Reads the case of this folder.
@@ -161,39 +166,47 @@ impl Case {
             case.buffers.push(Part { name: part.name, words, first: part.first, before, expected, allowed, device });
         }
         for dispatch in file.dispatches {
-            let spirv = words(folder, &path, &dispatch.spirv, None)?;
-            let found = interface(&dispatch.kernel, &spirv)
-                .map_err(|error| Error::from(Input::new(error.to_string()).file(&folder.join(&dispatch.spirv))))?;
-            let mut bindings = Vec::new();
-            for b in &dispatch.bindings {
-                let index = case.buffers.iter().position(|part| part.name == b.buffer);
-                let buffer = index.ok_or_else(|| fault("buffer", "there is no such buffer").found(&b.buffer))?;
-                let whole = 4 * case.buffers[buffer].before.len() as u64;
-                if b.bytes < 4 || b.bytes > whole {
-                    let fault = fault("bindings.bytes", "not a part of the buffer").found(b.bytes);
-                    return Err(fault.expected(format!("4 to {whole}")).into());
-                }
-                bindings.push(Bound { number: b.binding, buffer, bytes: b.bytes, writes: b.writes });
-            }
-            if let Some(lacks) = found.bindings.iter().find(|number| bindings.iter().all(|b| b.number != **number)) {
-                return Err(fault("bindings", "the kernel binds a number that is not there").found(lacks).into());
-            }
-            for (key, given, taken) in [
-                ("push_constants", 4 * dispatch.push_constants.len(), found.push_bytes as usize),
-                ("constants", dispatch.constants.len(), found.constants),
-            ] {
-                if given != taken {
-                    let what = "not as many bytes, or constants, as the kernel takes";
-                    return Err(fault(key, what).found(given).expected(taken).into());
-                }
-            }
-            let DispatchFile { kernel, constants, push_constants: push, lanes, groups, first_group, .. } = dispatch;
-            case.dispatches.push(Dispatch { kernel, spirv, constants, push, lanes, groups, first_group, bindings });
+            let dispatch = case.read_dispatch(folder, dispatch)?;
+            case.dispatches.push(dispatch);
         }
         if case.dispatches.is_empty() {
             return Err(fault("dispatches", "there is none").into());
         }
         Ok(case)
+    }
+
+    /// Reads a dispatch of the case in this folder, whose buffers are known.
+    fn read_dispatch(&self, folder: &Path, dispatch: DispatchFile) -> Result<Dispatch> {
+        let path = folder.join(CASE.page);
+        let fault = |key: &str, what: &str| Input::new(what).file(&path).key(key);
+        let spirv = words(folder, &path, &dispatch.spirv, None)?;
+        let found = interface(&dispatch.kernel, &spirv)
+            .map_err(|error| Error::from(Input::new(error.to_string()).file(&folder.join(&dispatch.spirv))))?;
+        let mut bindings = Vec::new();
+        for b in &dispatch.bindings {
+            let index = self.buffers.iter().position(|part| part.name == b.buffer);
+            let buffer = index.ok_or_else(|| fault("buffer", "there is no such buffer").found(&b.buffer))?;
+            let whole = 4 * self.buffers[buffer].before.len() as u64;
+            if b.bytes < 4 || b.bytes > whole {
+                let fault = fault("bindings.bytes", "not a part of the buffer").found(b.bytes);
+                return Err(fault.expected(format!("4 to {whole}")).into());
+            }
+            bindings.push(Bound { number: b.binding, buffer, bytes: b.bytes, writes: b.writes });
+        }
+        if let Some(lacks) = found.bindings.iter().find(|number| bindings.iter().all(|b| b.number != **number)) {
+            return Err(fault("bindings", "the kernel binds a number that is not there").found(lacks).into());
+        }
+        for (key, given, taken) in [
+            ("push_constants", 4 * dispatch.push_constants.len(), found.push_bytes as usize),
+            ("constants", dispatch.constants.len(), found.constants),
+        ] {
+            if given != taken {
+                let what = "not as many bytes, or constants, as the kernel takes";
+                return Err(fault(key, what).found(given).expected(taken).into());
+            }
+        }
+        let DispatchFile { kernel, constants, push_constants: push, lanes, groups, first_group, .. } = dispatch;
+        Ok(Dispatch { kernel, spirv, constants, push, lanes, groups, first_group, bindings })
     }
 }
 

@@ -18,22 +18,7 @@ pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, sid
     };
     let values: Vec<f64> = all().map(|p| field(at(p))).collect();
 
-    // The patch of the surface in a cube that separates these two corners: inside corners are connected along the
-    // cube's edges, outside corners also across the diagonals of its faces.
-    let patch = |cube: IVec3, inside: IVec3, outside: IVec3| {
-        let corner = |k: i32| cube + IVec3::new(k & 1, k >> 1 & 1, k >> 2);
-        let under = (0..8).filter(|&k| values[index(corner(k))] < 0.0).fold(0, |mask, k| mask | 1 << k);
-        let grow = |from: IVec3, of: i32, reach: u32| {
-            let mut part = 1 << (from - cube).dot(IVec3::new(1, 2, 4));
-            for k in (0..8).cycle().take(56).filter(|k| of >> k & 1 == 1) {
-                if (0..8).any(|j: i32| part >> j & 1 == 1 && (j ^ k).count_ones() <= reach) {
-                    part |= 1 << k;
-                }
-            }
-            part
-        };
-        [grow(inside, under, 1), grow(outside, !under, 2)]
-    };
+    let inside = |p: IVec3| values[index(p)] < 0.0;
 
     // One quadrilateral around each edge that the surface crosses, with corners in the four cubes at the edge.
     let mut cubes = HashMap::new();
@@ -44,15 +29,15 @@ pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, sid
             let along = IVec3::from_array(std::array::from_fn(|k| i32::from(k == axis)));
             let q = p + along;
             let inner = p.cmpgt(IVec3::ZERO).all() && q.cmplt(counts).all();
-            if !inner || (values[index(p)] < 0.0) == (values[index(q)] < 0.0) {
+            if !inner || inside(p) == inside(q) {
                 continue;
             }
             let (from, to) = (values[index(p)], values[index(q)]);
             let crossing = at(p).lerp(at(q), from / (from - to));
             let (u, v) = (along.zxy(), along.yzx());
             let mut corners = [p, p - u, p - u - v, p - v].map(|cube| {
-                let (inside, outside) = if from < 0.0 { (p, q) } else { (q, p) };
-                let vertex = *cubes.entry((cube, patch(cube, inside, outside))).or_insert_with(|| {
+                let ends = if from < 0.0 { (p, q) } else { (q, p) };
+                let vertex = *cubes.entry((cube, patch(inside, cube, ends))).or_insert_with(|| {
                     middles.push((DVec3::ZERO, 0.0));
                     middles.len() - 1
                 });
@@ -82,6 +67,23 @@ pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, sid
     });
     let triangles = triangles.collect();
     Mesh::made(positions, triangles)
+}
+
+/// The patch of the surface in a cube that separates these two corners: inside corners are connected along the cube's
+/// edges, outside corners also across the diagonals of its faces.
+fn patch(negative: impl Fn(IVec3) -> bool, cube: IVec3, (inside, outside): (IVec3, IVec3)) -> [i32; 2] {
+    let corner = |k: i32| cube + IVec3::new(k & 1, k >> 1 & 1, k >> 2);
+    let under = (0..8).filter(|&k| negative(corner(k))).fold(0, |mask, k| mask | 1 << k);
+    let grow = |from: IVec3, of: i32, reach: u32| {
+        let mut part = 1 << (from - cube).dot(IVec3::new(1, 2, 4));
+        for k in (0..8).cycle().take(56).filter(|k| of >> k & 1 == 1) {
+            if (0..8).any(|j: i32| part >> j & 1 == 1 && (j ^ k).count_ones() <= reach) {
+                part |= 1 << k;
+            }
+        }
+        part
+    };
+    [grow(inside, under, 1), grow(outside, !under, 2)]
 }
 
 /// Moves each vertex halfway to the mean of its neighbours.

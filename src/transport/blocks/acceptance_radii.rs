@@ -16,7 +16,7 @@ use crate::dipole::derivatives::GroupProfile;
 use crate::dipole::form_factor::ladder::{chi_distance, q2};
 use crate::error::Result;
 use crate::layout::{
-    AREA_CHI, BLOCK_CLASSES, BufferId, DROPPED_SHARE, ERROR_LAWS, EXPANDED_SHARE, Emitter, FARTHEST, LAW_AREA,
+    AREA_CHI, BLOCK_CLASSES, BufferId, Buffers, DROPPED_SHARE, ERROR_LAWS, EXPANDED_SHARE, Emitter, FARTHEST, LAW_AREA,
     LAW_EXPANSION, LAW_MAGNITUDE, LAW_MOMENTS, LAW_SAMPLE, ObjectParams, RANGE_DEPTH, RANGE_ENTRIES, SAMPLE_CHI,
 };
 use crate::state::{Carrier, Field, Pass, Role, Scope, Size, Stage, State, Tolerance, Update, wide};
@@ -110,14 +110,10 @@ fn table(law: impl Fn(f64) -> f64) -> Vec<f32> {
     [top as f32, depth as f32].into_iter().chain((0..RANGE_ENTRIES).map(solve)).collect()
 }
 
-fn cpu(state: &mut State, at: Scope) {
-    let (base, _) = state.part(BufferId::moments, at);
-    let (group, any_light) = (state.object(at).groups[at.group], state.any_light(at));
-    let (order, solves) = (state.moment_order(at), state.object(at).solves());
-    let data = &mut state.data;
-    let params = data.object_params[0];
-    let jets = GroupProfile::new(&params, group.channels);
-    let (power, factor) = laws(order);
+/// The tables of all laws. `any_light`: lists have to serve any light; `solves`: the laws are those of diffusion.
+fn tables(data: &Buffers, channels: u32, power: [f64; ERROR_LAWS], (any_light, solves): (bool, bool)) -> Vec<f32> {
+    let params = &data.object_params[0];
+    let jets = GroupProfile::new(params, channels);
     // The scale of the laws per channel: contrast / tint where lists serve any light, else 1 / reference level.
     let scale = [0, 1, 2].map(|c| {
         let tint = f64::from(params.tint[c]).max(1e-37);
@@ -129,26 +125,51 @@ fn cpu(state: &mut State, at: Scope) {
     });
     let least = LEAST * f64::from(data.clusters[0].area) / f64::from(params.faces);
     let ranges = power.into_par_iter().flat_map(|power| match solves {
-        true => table(|u| layer_law(&params, least, u, power)),
+        true => table(|u| layer_law(params, least, u, power)),
         false => table(|u| law(&jets, scale, u, power)),
     });
-    data.ranges = ranges.collect();
+    ranges.collect()
+}
 
-    let range = |law: usize, strength: f64, allowed: f64| {
-        let table = &data.ranges[law * (RANGE_ENTRIES + 2)..];
-        let (top, depth) = (f64::from(table[0]), f64::from(table[1]));
-        let at =
-            (top - (allowed.log2() - strength - factor[law].log2())) / depth.max(1e-6) * (RANGE_ENTRIES - 1) as f64;
-        if at <= 0.0 || at.is_nan() {
-            return 0.0;
-        }
-        if at >= (RANGE_ENTRIES - 1) as f64 {
-            return FARTHEST;
-        }
-        let entry = at as usize;
-        let (low, high) = (f64::from(table[2 + entry]), f64::from(table[3 + entry]));
-        low + (high - low) * (at - entry as f64)
-    };
+/// The distance from which on a law, times factor and strength (the latter as a binary logarithm), is as allowed.
+fn distance(ranges: &[f32], law: usize, strength: f64, factor: f64, allowed: f64) -> f64 {
+    let table = &ranges[law * (RANGE_ENTRIES + 2)..];
+    let (top, depth) = (f64::from(table[0]), f64::from(table[1]));
+    let at = (top - (allowed.log2() - strength - factor.log2())) / depth.max(1e-6) * (RANGE_ENTRIES - 1) as f64;
+    if at <= 0.0 || at.is_nan() {
+        return 0.0;
+    }
+    if at >= (RANGE_ENTRIES - 1) as f64 {
+        return FARTHEST;
+    }
+    let entry = at as usize;
+    let (low, high) = (f64::from(table[2 + entry]), f64::from(table[3 + entry]));
+    low + (high - low) * (at - entry as f64)
+}
+
+/// The centre, strength, second moment and radius of a node: of its light, or of its area where lists have to serve any
+/// light.
+fn source(data: &Buffers, base: usize, node: usize, any_light: bool) -> ([f32; 3], f32, f64, f64) {
+    if any_light {
+        let cluster = &data.clusters[node];
+        let [low, high, center] = [data.bounds[node].low, data.bounds[node].high, cluster.center].map(wide);
+        let radius = (center - low).max(high - center).length();
+        return (cluster.center, cluster.area, f64::from(cluster.moment_trace), radius);
+    }
+    let (m, s) = (&data.moments[base + node], &data.second_moments[base + node]);
+    (m.center, m.weight, s.diagonal.iter().copied().map(f64::from).sum::<f64>(), f64::from(s.radius))
+}
+
+fn cpu(state: &mut State, at: Scope) {
+    let (base, _) = state.part(BufferId::moments, at);
+    let (group, any_light) = (state.object(at).groups[at.group], state.any_light(at));
+    let (order, solves) = (state.moment_order(at), state.object(at).solves());
+    let data = &mut state.data;
+    let params = data.object_params[0];
+    let (power, factor) = laws(order);
+    data.ranges = tables(data, group.channels, power, (any_light, solves));
+
+    let range = |law: usize, strength: f64, allowed: f64| distance(&data.ranges, law, strength, factor[law], allowed);
     let gain = if solves { layer_gain(&params, f64::from(data.clusters[0].area)) } else { 1.0 };
     let error = gain * f64::from(params.link_error);
     let disc = f64::from(data.clusters[0].area) / (std::f64::consts::TAU * f64::from(params.usual_blocks));
@@ -156,16 +177,8 @@ fn cpu(state: &mut State, at: Scope) {
     let nearest = params.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);
     let nearest = if solves { 0.0 } else { nearest };
     let emitter = |node: usize| {
-        let (m, s, cluster) = (&data.moments[base + node], &data.second_moments[base + node], &data.clusters[node]);
         let skip = data.topology[node].skip;
-        let of_light =
-            (m.center, m.weight, s.diagonal.iter().copied().map(f64::from).sum::<f64>(), f64::from(s.radius));
-        let (center, strength, trace, radius) = if any_light {
-            let [low, high, center] = [data.bounds[node].low, data.bounds[node].high, cluster.center].map(wide);
-            (cluster.center, cluster.area, f64::from(cluster.moment_trace), (center - low).max(high - center).length())
-        } else {
-            of_light
-        };
+        let (center, strength, trace, radius) = source(data, base, node, any_light);
         let [x, y, z] = center;
         let right = if skip as usize == node + 1 { 0 } else { data.topology[node + 1].skip };
         let mut emitter = Emitter { place: [x, y, z, -1e9], accept: 0.0, area: 0.0, skip, right };

@@ -20,41 +20,12 @@ const TWIST: &str = "{ type = \"twist\", angle = 45 }";
 impl Viewer {
     /// Does what the user asks for.
     pub(super) fn change(&mut self, action: Action) -> Result<Changed> {
-        let camera = &self.edits.scene.camera;
-        let view = match &action {
-            Action::Orbit(right, up) => Some(orbit(camera, *right, *up)),
-            Action::Pan(right, up) => Some(pan(camera, *right, *up)),
-            Action::Zoom(factor) => Some(zoom(camera, *factor)),
-            Action::Fit => {
-                let (low, high) = self.edits.scene.bounds();
-                Some(camera.fitted(low, high))
-            }
-            _ => None,
-        };
-        if let Some(camera) = view {
-            self.edits.look(camera);
-            return Ok(Changed::View);
-        }
         match action {
+            Action::Orbit(..) | Action::Pan(..) | Action::Zoom(_) | Action::Fit => self.move_camera(&action),
             Action::Light(right, up) => self.edits.turn_light(right, up).map(|()| Changed::Light),
             Action::Shift(right, up) => self.edits.shift_light(right, up).map(|()| Changed::Light),
             Action::Brighten(factor) => self.edits.brighten_light(factor).map(|()| Changed::Light),
-            Action::NextLight => {
-                self.edits.next_light();
-                Ok(Changed::Nothing)
-            }
-            Action::NextObject => {
-                self.object = (self.object + 1) % self.edits.scene.objects.len();
-                self.measure();
-                Ok(Changed::Nothing)
-            }
-            Action::Material(step) => {
-                let names = Preset::names();
-                let own = &self.edits.scene.objects[self.object].material.name;
-                let now = names.iter().position(|name| name == own);
-                let next = now.map_or(0, |now| (now as isize + step).rem_euclid(names.len() as isize) as usize);
-                self.set_material("preset", names[next].to_owned())
-            }
+            Action::Material(step) => self.step_material(step),
             Action::Preset(name) => self.set_material("preset", name),
             Action::Size(factor) => self.set_material("scale", format!("{:?}", self.scale * factor)),
             Action::Scale(scale) => self.set_material("scale", format!("{scale:?}")),
@@ -62,42 +33,14 @@ impl Viewer {
                 self.set_tolerance((self.edits.scene.transport.tolerance * factor).clamp(1e-6, 0.5))
             }
             Action::ToleranceTo(tolerance) => self.set_tolerance(tolerance),
-            Action::Sharpen => {
-                self.frames.sharpen();
-                Ok(Changed::Nothing)
-            }
-            Action::NextDeform => {
-                self.deform += 1;
-                self.measure();
-                Ok(Changed::Nothing)
-            }
-            Action::Twist => {
-                let next = self.amounts().len();
-                let twist = self.set(&format!("object.{}.deform.{next}", self.object), TWIST.to_owned())?;
-                self.deform = next;
-                Ok(twist)
-            }
-            Action::Deform(part) => match self.amounts().get(self.deform) {
-                Some(amount) => {
-                    let to = amount.value + part * (amount.ends[1] - amount.ends[0]);
-                    self.deform_to(self.deform, to)
-                }
-                None => Ok(Changed::Nothing),
-            },
+            Action::Twist => self.twist(),
+            Action::Deform(part) => self.deform_by(part),
             Action::DeformTo(index, to) => {
                 self.deform = index;
                 self.deform_to(index, to)
             }
             Action::Frame(step) => self.go_to(self.edits.frame() + step),
             Action::FrameTo(frame) => self.go_to(frame),
-            Action::Play => {
-                self.play();
-                Ok(Changed::Nothing)
-            }
-            Action::Loop => {
-                self.timeline.loops = !self.timeline.loops;
-                Ok(Changed::Nothing)
-            }
             Action::Method(step) => self.step_method(step),
             Action::Mode => {
                 let mode = stepped(&self.options.mode, 1);
@@ -124,23 +67,84 @@ impl Viewer {
             Action::Undo => self.edits.undo().map(|done| if done { Changed::Scene } else { Changed::Nothing }),
             Action::Redo => self.edits.redo().map(|done| if done { Changed::Scene } else { Changed::Nothing }),
             Action::Reset => self.edits.reset().map(|()| Changed::Scene),
-            Action::Handles => {
-                self.handles = !self.handles;
-                Ok(Changed::Nothing)
+            Action::NextLight | Action::NextObject | Action::NextDeform | Action::Sharpen | Action::Play => {
+                Ok(self.turn_to(&action))
             }
-            Action::Panel => {
-                self.panel = !self.panel;
-                Ok(Changed::Nothing)
+            Action::Loop | Action::Handles | Action::Panel | Action::Keys | Action::Quit => Ok(self.toggle(&action)),
+        }
+    }
+
+    /// Moves the camera.
+    fn move_camera(&mut self, action: &Action) -> Result<Changed> {
+        let camera = &self.edits.scene.camera;
+        let moved = match action {
+            Action::Orbit(right, up) => orbit(camera, *right, *up),
+            Action::Pan(right, up) => pan(camera, *right, *up),
+            Action::Zoom(factor) => zoom(camera, *factor),
+            _ => {
+                let (low, high) = self.edits.scene.bounds();
+                camera.fitted(low, high)
             }
-            Action::Keys => {
-                self.keys = !self.keys;
-                Ok(Changed::Nothing)
+        };
+        self.edits.look(moved);
+        Ok(Changed::View)
+    }
+
+    /// Turns to the next thing of a kind, or to other work; none of it is rendered.
+    fn turn_to(&mut self, action: &Action) -> Changed {
+        match action {
+            Action::NextLight => self.edits.next_light(),
+            Action::NextObject => {
+                self.object = (self.object + 1) % self.edits.scene.objects.len();
+                self.measure();
             }
-            Action::Quit => {
-                self.quits = true;
-                Ok(Changed::Nothing)
+            Action::NextDeform => {
+                self.deform += 1;
+                self.measure();
             }
-            Action::Orbit(..) | Action::Pan(..) | Action::Zoom(_) | Action::Fit => Ok(Changed::Nothing),
+            Action::Sharpen => self.frames.sharpen(),
+            _ => self.play(),
+        }
+        Changed::Nothing
+    }
+
+    /// Turns a switch of the window over.
+    fn toggle(&mut self, action: &Action) -> Changed {
+        match action {
+            Action::Loop => self.timeline.loops = !self.timeline.loops,
+            Action::Handles => self.handles = !self.handles,
+            Action::Panel => self.panel = !self.panel,
+            Action::Keys => self.keys = !self.keys,
+            _ => self.quits = true,
+        }
+        Changed::Nothing
+    }
+
+    /// Takes the preset so many places on in the list.
+    fn step_material(&mut self, step: isize) -> Result<Changed> {
+        let names = Preset::names();
+        let own = &self.edits.scene.objects[self.object].material.name;
+        let now = names.iter().position(|name| name == own);
+        let next = now.map_or(0, |now| (now as isize + step).rem_euclid(names.len() as isize) as usize);
+        self.set_material("preset", names[next].to_owned())
+    }
+
+    /// Adds a twist to the object.
+    fn twist(&mut self) -> Result<Changed> {
+        let next = self.amounts().len();
+        let twist = self.set(&format!("object.{}.deform.{next}", self.object), TWIST.to_owned())?;
+        self.deform = next;
+        Ok(twist)
+    }
+
+    /// Deforms the object further, by a part of what the slider offers.
+    fn deform_by(&mut self, part: f64) -> Result<Changed> {
+        match self.amounts().get(self.deform) {
+            Some(amount) => {
+                let to = amount.value + part * (amount.ends[1] - amount.ends[0]);
+                self.deform_to(self.deform, to)
+            }
+            None => Ok(Changed::Nothing),
         }
     }
 

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::LINKS;
 use crate::error::Result;
-use crate::layout::{BufferId, Link, ListCounters, MOST_PAIRS, RULE_AREA, RULE_SAMPLE, Range, Span};
+use crate::layout::{BufferId, Link, ListCounters, MOST_PAIRS, ObjectParams, RULE_AREA, RULE_SAMPLE, Range, Span};
 use crate::state::{Granularity, Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
@@ -56,6 +56,13 @@ struct Lists {
     hands: Vec<u32>,
 }
 
+impl Lists {
+    /// Links, area links, edge links, and emitters handed down.
+    fn sizes(&self) -> [u32; 4] {
+        [self.links.len(), self.areas.len(), self.edges.len(), self.hands.len()].map(|n| n as u32)
+    }
+}
+
 fn cpu(state: &mut State, at: Scope) {
     let chunk = at.chunk;
     open(&mut state.data.counters[0], chunk);
@@ -71,33 +78,12 @@ fn cpu(state: &mut State, at: Scope) {
         let walk = Walk::new(data);
         let mut lists: Vec<Lists> = receivers.par_iter().map(|&receiver| decide(&walk, data, receiver)).collect();
 
-        // Find where the lists of each receiver begin, and whether all fit.
         let counters = &mut data.counters[0];
-        for list in lists.iter_mut().filter(|list| list.links.len() > MOST_PAIRS || list.hands.len() > MOST_PAIRS) {
-            counters.unfinished = 1;
-            *list = Lists::default();
-        }
-        let mut next = [counters.links, counters.areas, counters.edges, counters.hands];
-        let sizes = |l: &Lists| [l.links.len(), l.areas.len(), l.edges.len(), l.hands.len()].map(|n| n as u32);
-        let total = lists.iter().map(sizes).fold(next, |sum, n| std::array::from_fn(|k| sum[k] + n[k]));
-        let params = &data.object_params[0];
-        let room = [params.link_capacity, params.area_capacity, params.edge_capacity, params.hand_capacity];
-        let fits: [bool; 4] = {
-            let each: [bool; 4] = std::array::from_fn(|k| total[k] <= room[k]);
-            let links = each[0] && each[1] && each[2];
-            [links, links, links, each[3]]
-        };
-        counters.required_links = counters.required_links.max(total[0]);
-        counters.required_areas = counters.required_areas.max(total[1]);
-        counters.required_edges = counters.required_edges.max(total[2]);
-        counters.required_hands = counters.required_hands.max(total[3]);
-        if fits.contains(&false) {
-            counters.overflow = 1;
-        }
+        let (mut next, fits) = reserve(counters, &data.object_params[0], &mut lists);
 
         // Write the lists that fit.
         for (&receiver, list) in receivers.iter().zip(&lists) {
-            let counts = sizes(list);
+            let counts = list.sizes();
             let n: [u32; 4] = std::array::from_fn(|k| if fits[k] { counts[k] } else { 0 });
             data.spans[receiver as usize] = Span {
                 link: next[0],
@@ -131,6 +117,28 @@ fn cpu(state: &mut State, at: Scope) {
             counters.kept = counters.hands;
         }
     }
+}
+
+/// Where the lists of a level begin, and which of the four kinds fit; counts what they need.
+fn reserve(counters: &mut ListCounters, params: &ObjectParams, lists: &mut [Lists]) -> ([u32; 4], [bool; 4]) {
+    for list in lists.iter_mut().filter(|list| list.links.len() > MOST_PAIRS || list.hands.len() > MOST_PAIRS) {
+        counters.unfinished = 1;
+        *list = Lists::default();
+    }
+    let next = [counters.links, counters.areas, counters.edges, counters.hands];
+    let total = lists.iter().map(Lists::sizes).fold(next, |sum, n| std::array::from_fn(|k| sum[k] + n[k]));
+    let room = [params.link_capacity, params.area_capacity, params.edge_capacity, params.hand_capacity];
+    let each: [bool; 4] = std::array::from_fn(|k| total[k] <= room[k]);
+    let links = each[0] && each[1] && each[2];
+    let fits = [links, links, links, each[3]];
+    counters.required_links = counters.required_links.max(total[0]);
+    counters.required_areas = counters.required_areas.max(total[1]);
+    counters.required_edges = counters.required_edges.max(total[2]);
+    counters.required_hands = counters.required_hands.max(total[3]);
+    if fits.contains(&false) {
+        counters.overflow = 1;
+    }
+    (next, fits)
 }
 
 /// Resets the counters of lists for a chunk.

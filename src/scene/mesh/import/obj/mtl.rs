@@ -57,28 +57,7 @@ pub(in crate::scene) fn map_kd(files: &Files, mesh: &Path, report: &mut Vec<Stri
             let fault = Input::new(format!("{}: the material library cannot be read", path.display()));
             fault.file(mesh).line(line).found(found)
         };
-        let bytes = files.read(&path, COPIES).map_err(|error| fault(error.to_string()))?;
-        if let Some(found) = packed(&bytes) {
-            return Err(fault(found.to_owned()));
-        }
-        // Ignore colours, so that errors in them do not matter.
-        let matters = |line: &&str| matches!(line.split_whitespace().next(), Some("newmtl" | "map_Kd"));
-        let text = text_of(&bytes);
-        let kept = text.lines().filter(matters).collect::<Vec<_>>().join("\n");
-        let (materials, _) = tobj::load_mtl_buf(&mut kept.as_bytes()).map_err(|error| fault(error.to_string()))?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        for material in materials {
-            if let Some(image) = material.diffuse_texture {
-                let (options, image) = split(&image);
-                if image.is_empty() {
-                    return Err(fault(format!("`map_Kd {}` without a file", options.join(" "))));
-                }
-                if !options.is_empty() {
-                    report.push(format!("{}: ignored: {} of map_Kd", path.display(), options.join(" ")));
-                }
-                textures.push((material.name, folder.join(image.replace('\\', "/"))));
-            }
-        }
+        textures.extend(textures_of(files, &path, report, &fault)?);
         libraries.push(path);
     }
     if libraries.is_empty() {
@@ -95,6 +74,39 @@ pub(in crate::scene) fn map_kd(files: &Files, mesh: &Path, report: &mut Vec<Stri
     };
     let what = "one material with a texture is supported in a library";
     Err(Input::new(what).file(&libraries[0]).found(found).expected("exactly one `map_Kd`, or the name of an image"))
+}
+
+/// The materials of a library that have a texture, with its file.
+fn textures_of(
+    files: &Files,
+    path: &Path,
+    report: &mut Vec<String>,
+    fault: &dyn Fn(String) -> Input,
+) -> Checked<Vec<(String, PathBuf)>> {
+    let mut textures = Vec::new();
+    let bytes = files.read(path, COPIES).map_err(|error| fault(error.to_string()))?;
+    if let Some(found) = packed(&bytes) {
+        return Err(fault(found.to_owned()));
+    }
+    // Ignore colours, so that errors in them do not matter.
+    let matters = |line: &&str| matches!(line.split_whitespace().next(), Some("newmtl" | "map_Kd"));
+    let text = text_of(&bytes);
+    let kept = text.lines().filter(matters).collect::<Vec<_>>().join("\n");
+    let (materials, _) = tobj::load_mtl_buf(&mut kept.as_bytes()).map_err(|error| fault(error.to_string()))?;
+    let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    for material in materials {
+        if let Some(image) = material.diffuse_texture {
+            let (options, image) = split(&image);
+            if image.is_empty() {
+                return Err(fault(format!("`map_Kd {}` without a file", options.join(" "))));
+            }
+            if !options.is_empty() {
+                report.push(format!("{}: ignored: {} of map_Kd", path.display(), options.join(" ")));
+            }
+            textures.push((material.name, folder.join(image.replace('\\', "/"))));
+        }
+    }
+    Ok(textures)
 }
 
 /// The options of a `map_Kd`, with their values, and the file, whose name may have spaces.
