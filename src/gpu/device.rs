@@ -47,9 +47,9 @@ impl Device {
     }
 
     /// Opens an adapter for what its compiler says of pipelines: none is to be used, and nothing of the device is
-    /// destroyed, since drivers of null hardware crash there.
-    pub fn compiler(instance: &Instance, adapter: &Adapter) -> Result<Self> {
-        let extras = Extras { statistics: true, ..Extras::default() };
+    /// destroyed, since drivers of null hardware crash there. With `keeps_code` pipelines keep their code, too.
+    pub fn compiler(instance: &Instance, adapter: &Adapter, keeps_code: bool) -> Result<Self> {
+        let extras = Extras { statistics: true, code: keeps_code, ..Extras::default() };
         let logical = LogicalDevice::open(instance, adapter, &Choices::default(), &extras)?;
         logical.give_up();
         Ok(Self { logical, kernels: Rc::default() })

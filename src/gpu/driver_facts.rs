@@ -89,6 +89,42 @@ impl Kernel {
         }
         Ok(found)
     }
+
+    /// The texts that the driver's compiler made of it, down to the machine's instructions: their names and themselves.
+    /// None without [`Device::compiler`].
+    pub(crate) fn code(&self) -> Result<Vec<(String, String)>> {
+        let device: &LogicalDevice = &self.device;
+        if !device.extras().code {
+            return Ok(Vec::new());
+        }
+        let functions = khr::pipeline_executable_properties::Device::new(&device.instance().0.raw, device.raw());
+        let info = vk::PipelineExecutableInfoKHR::default().pipeline(self.pipeline);
+        let call = functions.fp().get_pipeline_executable_internal_representations_khr;
+        let (name, doing) = ("vkGetPipelineExecutableInternalRepresentationsKHR", format!("asking for {}", self.name));
+        // The first call counts the texts, the second tells their lengths, the third writes them.
+        let mut count = 0;
+        let ask = |count: &mut u32, texts: *mut vk::PipelineExecutableInternalRepresentationKHR<'_>| {
+            // SAFETY: the pipeline, which has an executable of index 0, was created with the flag for this, on a device
+            // with the extension; `texts` is null or has `count` elements, whose `data` are null or `data_size` long.
+            vk_call(name, &doing, || unsafe { call(device.raw().handle(), &info, count, texts).result() })
+        };
+        ask(&mut count, std::ptr::null_mut())?;
+        let mut texts = vec![vk::PipelineExecutableInternalRepresentationKHR::default(); count as usize];
+        ask(&mut count, texts.as_mut_ptr())?;
+        let mut held: Vec<Vec<u8>> = texts.iter().map(|text| vec![0; text.data_size]).collect();
+        for (text, bytes) in texts.iter_mut().zip(&mut held) {
+            text.p_data = bytes.as_mut_ptr().cast();
+        }
+        ask(&mut count, texts.as_mut_ptr())?;
+        let is_text = |text: &vk::PipelineExecutableInternalRepresentationKHR<'_>| text.is_text == vk::TRUE;
+        let texts = texts.iter().zip(&held).filter(|(text, _)| is_text(text));
+        Ok(texts
+            .map(|(text, bytes)| {
+                let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+                (words(text.name_as_c_str()), String::from_utf8_lossy(&bytes[..end]).into_owned())
+            })
+            .collect())
+    }
 }
 
 /// A text that the driver wrote into an array; empty where it has no end.

@@ -15,6 +15,8 @@ pub(super) struct Extras {
     pub(super) features: BTreeSet<&'static str>,
     /// Whether pipelines keep what the driver's compiler says of them; the driver has to offer that.
     pub(super) statistics: bool,
+    /// Whether they keep their code, too, as the compiler wrote it; only with `statistics`.
+    pub(super) code: bool,
 }
 
 /// Features as structs that a call fills, or that a device is opened with.
@@ -145,7 +147,7 @@ mod tests {
         assert_eq!(declaring(&[Shader, GroupNonUniformBallot, RoundingModeRTE]), Ok(vec![]));
         assert_eq!(declaring(&[Shader, Float16, Int64]), Ok(vec!["shaderFloat16", "shaderInt64"]));
         assert_eq!(declaring(&[Shader, Geometry]), Err("Geometry".into()));
-        let extras = Extras { features: ["shaderInt64"].into(), statistics: false };
+        let extras = Extras { features: ["shaderInt64"].into(), ..Extras::default() };
         let mut features = extras.features();
         let wanted = [(Int64, "shaderInt64"), (Float16, "shaderFloat16")];
         assert_eq!(features.lacking(&wanted), Some((Float16, "shaderFloat16")));

@@ -218,10 +218,9 @@ impl Kernel {
                 size = size.required_subgroup_size(subgroup);
                 stage = stage.push_next(&mut size);
             }
-            let flags = match device.extras().statistics {
-                true => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
-                false => vk::PipelineCreateFlags::empty(),
-            };
+            let keeps = |asked: bool, flag: vk::PipelineCreateFlags| if asked { flag } else { Default::default() };
+            let flags = keeps(device.extras().statistics, vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR)
+                | keeps(device.extras().code, vk::PipelineCreateFlags::CAPTURE_INTERNAL_REPRESENTATIONS_KHR);
             let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(self.layout)];
             let begin = Instant::now();
             let made = phase("making pipelines", || {

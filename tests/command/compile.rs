@@ -1,19 +1,25 @@
 //! `compile`: what RADV makes of kernels for GPUs that are not here. Left out where RADV is not installed.
 
 use super::conform::planted;
-use crate::shell::{bad, folder, good, program, read, said};
+use crate::shell::{bad, folder, good, program, read, said as said_by};
 
 #[test]
 fn a_spill_is_found_without_the_gpu() {
     let here = folder(&[]);
     let line = "compile sphere --set object.0.detail=2 --for";
-    let (_, err) = said(&program(&here, &format!("{line} nonsense")).output().unwrap());
+    let (_, err) = said_by(&program(&here, &format!("{line} nonsense")).output().unwrap());
     if err.contains("there is no RADV") {
         println!("not tested: RADV is not installed");
         return;
     }
-    bad(&here, &format!("{line} nonsense"), 1, &["nonsense: ", "1 compilers failed"]);
-    let (out, _) = good(&here, &format!("{line} navi21,vega10 --csv a.csv"));
+    bad(&here, &format!("{line} nonsense"), 1, &["nonsense: ", "a compiler failed"]);
+    let (out, _) = good(&here, &format!("{line} navi21,vega10 --csv a.csv --json a.json --isa code"));
+    let json = read(&here, "a.json");
+    assert!(json.contains("\"device\": \"Null hardware (RADV VEGA10)") && json.contains("\"VGPRs\": "), "{json}");
+    for family in ["navi21", "vega10"] {
+        let code = read(&here, &format!("code/{family}/lighting-irradiance.txt"));
+        assert!(code.contains("==== Assembly") && code.contains("s_endpgm"), "{code}");
+    }
     for words in
         ["navi21: Null hardware", "vega10: Null hardware", "registers", "waves", "transport/blocks/gather/direct"]
     {
@@ -36,5 +42,34 @@ fn a_spill_is_found_without_the_gpu() {
     let said =
         bad(&here, &spilt, 1, &["navi21: transport/blocks/push: scratch 0 -> ", "worse than those of the baseline"]);
     assert!(!said.contains("gather/direct: scratch"), "{said}");
+    let (out, _) = good(&here, &format!("{line} navi21 --replace transport/blocks/push=spill.comp"));
+    let change = out.lines().find(|line| line.contains("built-in -> yours: ")).unwrap_or_default();
+    assert!(change.starts_with("transport/blocks/push [") && change.contains("scratch 0 -> "), "{out}");
     bad(&here, &format!("{line} navi21 --baseline none.csv"), 2, &["none.csv", "could not be read"]);
+    bad(&here, "compile --for navi21", 2, &["no scene is given", "or --all"]);
+    // A compiler that takes too long over a kernel: minutes over this table.
+    std::fs::write(here.path().join("long.comp"), text.replace("999", "200000000")).unwrap();
+    let long = format!("{line} navi21 --timeout 6 --replace transport/blocks/push=long.comp");
+    let output = program(&here, &long).output().unwrap();
+    let (_, err) = said_by(&output);
+    let module = "compile-navi21-transport-blocks-push.spv";
+    assert!(output.status.code() == Some(1) && err.contains(&format!("its module is {module}")), "{err}");
+    let words = std::fs::read(here.path().join(module)).unwrap();
+    assert_eq!(words[..4], 0x0723_0203_u32.to_le_bytes());
+}
+
+#[test]
+#[ignore = "slow: compiles the pipelines of all built-in scenes"]
+fn all_built_in_scenes_compile() {
+    let here = folder(&[]);
+    let output = program(&here, "compile --all --for vega10,unheard --csv a.csv").output().unwrap();
+    let (out, err) = said_by(&output);
+    if err.contains("there is no RADV") {
+        println!("not tested: RADV is not installed");
+        return;
+    }
+    assert!(err.contains("unheard: ") && err.contains("a compiler failed"), "{err}");
+    let count = out.lines().find_map(|line| line.split_once(" pipelines of ")).unwrap();
+    assert!(count.0.parse::<usize>().unwrap() > 120 && count.1.ends_with(" kernels"), "{out}");
+    assert!(read(&here, "a.csv").contains("vega10,layers/relief"), "{out}");
 }

@@ -1,0 +1,129 @@
+//! Tables of what compilers report, and what is worse than before.
+
+use super::{Compiled, Pipeline, Sheets};
+use crate::cli::table;
+
+/// What a table shows of what drivers report, if they do: heading, and names of RADV and NVK.
+const SHOWN: [(&str, &[&str]); 9] = [
+    ("registers", &["VGPRs", "Number of GPRs", "Register Count"]),
+    ("scalar", &["SGPRs"]),
+    ("spilled", &["Spilled VGPRs", "Spills to memory", "Number of spills to memory"]),
+    ("scratch", &["Scratch size", "Scratch size per thread", "SLM size"]),
+    ("shared", &["LDS size", "LDS Size", "Shared memory size"]),
+    ("waves", &["Subgroups per SIMD"]),
+    ("code, B", &["Code size", "Code Size"]),
+    ("latency", &["Latency"]),
+    ("cycles", &["Inverse Throughput"]),
+];
+/// Columns in which more is worse than in a baseline, and by which factor; the waves are the other way round.
+const WORSE: [(&str, f64); 3] = [("spilled", 1.0), ("scratch", 1.0), ("cycles", 1.1)];
+
+/// The value of a column.
+fn value(pipeline: &Pipeline, heading: &str) -> Option<f64> {
+    let names = SHOWN.iter().find(|(known, _)| *known == heading)?.1;
+    pipeline.statistics.iter().find(|(name, _)| names.contains(&name.as_str())).map(|(_, value)| *value)
+}
+
+/// The pipelines of a compiler as a table, those that take most cycles first.
+pub(super) fn table_of(pipelines: &[Pipeline]) -> String {
+    let shown = |heading: &&str| pipelines.iter().any(|pipeline| value(pipeline, heading).is_some());
+    let headings: Vec<&str> = SHOWN.iter().map(|(heading, _)| *heading).filter(shown).collect();
+    let mut order: Vec<&Pipeline> = pipelines.iter().collect();
+    let weight = |pipeline: &Pipeline| value(pipeline, "cycles").or(value(pipeline, "code, B")).unwrap_or(0.0);
+    order.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
+    let row = |pipeline: &&Pipeline| {
+        let values = headings.iter().map(|heading| value(pipeline, heading).map_or("-".into(), |x| format!("{x}")));
+        let rest = [format!("{:.0}", pipeline.milliseconds), pipeline.constants.clone()];
+        [pipeline.kernel.clone()].into_iter().chain(values).chain(rest).collect()
+    };
+    let head = [&["kernel"], headings.as_slice(), &["ms", "specialization constants"]].concat();
+    table(head, order.iter().map(row).collect::<Vec<Vec<String>>>())
+}
+
+/// What kernels that replace built-in ones change, a line each; empty where none does.
+pub(super) fn changes(compiled: &Compiled) -> String {
+    let mut text = String::new();
+    for old in &compiled.built_in {
+        let same = |new: &&Pipeline| new.kernel == old.kernel && new.constants == old.constants;
+        let Some(new) = compiled.pipelines.iter().find(same) else { continue };
+        let changed: Vec<String> = SHOWN
+            .iter()
+            .filter_map(|(heading, _)| {
+                let (x, y) = (value(old, heading)?, value(new, heading)?);
+                let share = if x > 0.0 { format!(" ({:+.1} %)", 100.0 * (y / x - 1.0)) } else { String::new() };
+                (x != y).then(|| format!("{heading} {x} -> {y}{share}"))
+            })
+            .collect();
+        let changed = if changed.is_empty() { "nothing that is reported changes".into() } else { changed.join(", ") };
+        text += &format!("{} [{}], built-in -> yours: {changed}\n", old.kernel, old.constants);
+    }
+    text
+}
+
+/// What is worse than it was, of the pipelines that both have.
+pub(super) fn worse(before: &Sheets, now: &Sheets) -> Vec<String> {
+    let mut found = Vec::new();
+    let every = now.iter().flat_map(|(family, sheet)| sheet.pipelines.iter().map(move |new| (family, new)));
+    for (family, new) in every {
+        let same = |old: &&Pipeline| old.kernel == new.kernel && old.constants == new.constants;
+        let Some(old) = before.get(family).and_then(|sheet| sheet.pipelines.iter().find(same)) else { continue };
+        let mut add = |heading: &str, is_worse: &dyn Fn(f64, f64) -> bool| {
+            if let (Some(x), Some(y)) = (value(old, heading), value(new, heading))
+                && is_worse(x, y)
+            {
+                found.push(format!("{family}: {}: {heading} {x} -> {y}", new.kernel));
+            }
+        };
+        for (heading, factor) in WORSE {
+            add(heading, &|x, y| y > factor * x);
+        }
+        add("waves", &|x, y| y < x);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::file;
+    use super::*;
+
+    fn pipeline(statistics: &[(&str, f64)]) -> Pipeline {
+        let statistics = statistics.iter().map(|(name, value)| (name.to_string(), *value)).collect();
+        let (kernel, constants) = ("a/b".to_string(), "N = 1, M = 2".to_string());
+        Pipeline { kernel, constants, milliseconds: 0.0, statistics }
+    }
+
+    fn sheets(statistics: &[(&str, f64)]) -> Sheets {
+        let compiled = Compiled { pipelines: vec![pipeline(statistics)], ..Compiled::default() };
+        [("navi21".to_string(), compiled)].into()
+    }
+
+    #[test]
+    fn what_is_worse_is_named_and_files_hold_what_was_reported() {
+        let old = sheets(&[("Spilled VGPRs", 0.0), ("Subgroups per SIMD", 8.0), ("Inverse Throughput", 100.0)]);
+        assert!(worse(&old, &sheets(&[("Spilled VGPRs", 0.0), ("Inverse Throughput", 109.0)])).is_empty());
+        let new = sheets(&[("Spilled VGPRs", 3.0), ("Subgroups per SIMD", 7.0), ("Inverse Throughput", 111.0)]);
+        assert_eq!(
+            worse(&old, &new),
+            ["navi21: a/b: spilled 0 -> 3", "navi21: a/b: cycles 100 -> 111", "navi21: a/b: waves 8 -> 7"]
+        );
+        assert!(worse(&new, &old).is_empty());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        std::fs::write(&path, file::csv(&new).unwrap()).unwrap();
+        assert_eq!(file::read(&path).unwrap(), new);
+        std::fs::write(&path, "compiler,kernel\na,b\n").unwrap();
+        assert!(file::read(&path).unwrap_err().to_string().contains("not what compile writes"));
+    }
+
+    #[test]
+    fn what_a_replaced_kernel_changes_is_told() {
+        let old = pipeline(&[("VGPRs", 40.0), ("Scratch size", 0.0), ("Latency", 7.0)]);
+        let new = pipeline(&[("VGPRs", 50.0), ("Scratch size", 64.0), ("Latency", 7.0)]);
+        let compiled = Compiled { pipelines: vec![new], built_in: vec![old.clone()], ..Compiled::default() };
+        let line = "a/b [N = 1, M = 2], built-in -> yours: registers 40 -> 50 (+25.0 %), scratch 0 -> 64\n";
+        assert_eq!(changes(&compiled), line);
+        let same = Compiled { pipelines: vec![old.clone()], built_in: vec![old], ..Compiled::default() };
+        assert!(changes(&same).ends_with("nothing that is reported changes\n"));
+    }
+}
