@@ -141,8 +141,8 @@ impl<'a> Ray<'a> {
         let mut depths = [f64::INFINITY; MOST_LAYERS];
         for (layer, depth) in depths.iter_mut().enumerate().take(self.layering.layers as usize) {
             let map = (layer / MAP_LAYERS) as u32 * width * height;
-            let texel = |corner: u32| f64::from(self.state.data.depths[(corner + map) as usize][layer % MAP_LAYERS]);
-            *depth = corners.iter().zip(weights).map(|(&corner, weight)| weight * texel(corner)).sum();
+            let value = |corner: u32| f64::from(self.state.data.depths[(corner + map) as usize][layer % MAP_LAYERS]);
+            *depth = corners.iter().zip(weights).map(|(&corner, weight)| weight * value(corner)).sum();
         }
         depths
     }
