@@ -1,4 +1,4 @@
-//! What takes long is said before it runs: rays towards many samples of lights, and long, thin triangles.
+//! The program announces what takes long: rays towards many samples of lights, and long, thin triangles.
 
 use std::f64::consts::TAU;
 use std::io::{BufRead, BufReader};
@@ -55,7 +55,7 @@ fn thin_triangles_are_named_before_they_take_minutes() {
     let line = "render fan.obj -o a.png --transport cdrf --size 1600x1200 --device cpu";
     let said = first_notice(&mut program(&folder, line)).unwrap();
     assert!(said.contains("visibility") && said.contains("long and thin"), "{said}");
-    // What is over in a moment is not announced, and an even mesh of as many triangles has no such neighbours.
+    // Short work is not announced, nor that of an even mesh of as many triangles, which has no such neighbours.
     let (_, err) = good(&folder, "solve few.obj -o a.csv --device cpu");
     assert!(!err.contains("long: "), "{err}");
     let (out, _) = good(&folder, "plan sphere --set object.0.detail=5 --device cpu");

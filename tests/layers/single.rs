@@ -11,7 +11,7 @@ use milkglass::scene::Scene;
 
 use super::{scene, session};
 
-/// Only what is scattered once is in the picture.
+/// Options of pictures that hold only light scattered once.
 fn alone() -> Options {
     Options { transport: ShadingMethod::None, ..Options::default() }
 }
@@ -141,7 +141,7 @@ fn a_ball_without_refraction_is_its_integral() {
             errors += (found - expected) * (found - expected);
             sizes += expected * expected;
         }
-        // What the steps, and the triangles of the ball, leave.
+        // The error left by the steps, and by the triangles of the ball.
         let error = (errors / sizes).max_element().sqrt();
         println!("{light}: {error:.1e}");
         assert!(error < 0.02, "{light}: {error}");

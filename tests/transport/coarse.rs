@@ -182,7 +182,7 @@ fn smooth_and_fine_shapes_stay_as_they_are_and_so_do_those_with_a_detail() {
     for detail in ["object.0.detail=0", "object.0.detail=4"] {
         assert!(!divided(Scene::load_with("sphere", &[detail.into()]).unwrap(), false), "{detail}");
     }
-    // Receivers at faces alone divide: the window's drafts have them.
+    // Receivers at faces do not prevent a division by themselves: the window's drafts have them.
     let mut draft = coarse();
     draft.transport.receivers = Receivers::Faces;
     assert!(divided(draft, false));

@@ -13,7 +13,7 @@ fn scene(sets: &[&str]) -> Scene {
     let mut all =
         vec!["object.0.detail=12", "light.0={ type = 'directional', direction = [0.2, 0.3, 1], irradiance = 3 }"];
     all.push("object.0.size=20");
-    // Not where triangles are long against the mean free path.
+    // Triangles stay, though they are long against the mean free path.
     all.push("transport.receivers='faces'");
     // A slanted plate above part of the slab: its shadow border crosses triangles in all directions.
     all.push(
