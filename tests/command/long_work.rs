@@ -83,10 +83,10 @@ fn a_plan_counts_rays() {
     let rows: Vec<_> = out.lines().filter(|line| line.contains("73 light samples")).collect();
     assert!(rows.len() == 2 && rows[0].contains("320 triangles x") && rows[1].contains("8,760,000"), "{out}");
     let rays = &plan(&folder, "a.toml")["rays"];
-    let of = |k: usize, key: &str| rays[k][key].as_f64().unwrap();
-    assert_eq!((of(0, "rays"), of(1, "rays"), of(2, "rays")), (320.0 * 73.0, 120_000.0, 120_000.0 * 73.0));
+    let number = |k: usize, key: &str| rays[k][key].as_f64().unwrap();
+    assert_eq!((number(0, "rays"), number(1, "rays"), number(2, "rays")), (320.0 * 73.0, 120_000.0, 120_000.0 * 73.0));
     // Every pixel whose ray descends shows the floor, which sends its rays to the sky upwards.
-    assert!((0.6..=1.0).contains(&of(2, "cast")), "{rays}");
+    assert!((0.6..=1.0).contains(&number(2, "cast")), "{rays}");
 }
 
 #[test]

@@ -131,11 +131,11 @@ fn a_ball_without_refraction_is_its_integral() {
                 let s = chord * (f64::from(k) + 0.5) / f64::from(steps);
                 let place = place - s * eye;
                 let (toward, light) = arrives(&lamp, place);
-                let of = |c: usize| {
+                let radiance = |c: usize| {
                     let dimmed = (-sigma_t[c] * (s + leaves(place, toward))).exp();
                     sigma_s[c] * phase(true, g[c], toward.dot(eye)) * light * dimmed
                 };
-                DVec3::new(of(0), of(1), of(2)) * chord / f64::from(steps)
+                DVec3::new(radiance(0), radiance(1), radiance(2)) * chord / f64::from(steps)
             };
             let expected: DVec3 = (0..steps).map(at).sum();
             errors += (found - expected) * (found - expected);

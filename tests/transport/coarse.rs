@@ -84,8 +84,8 @@ fn a_picture_of_it_is_that_of_a_fine_one_at_pixels() {
         session.picture().unwrap().pixels
     };
     let (own, exact) = (picture(&coarse), picture(&fine));
-    let sum = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
-        (0..exact.len()).map(|k| (0..3).map(|c| of(k, c).powi(2)).sum::<f64>()).sum()
+    let sum = |value: &dyn Fn(usize, usize) -> f64| -> f64 {
+        (0..exact.len()).map(|k| (0..3).map(|c| value(k, c).powi(2)).sum::<f64>()).sum()
     };
     let off = sum(&|k, c| f64::from(own[k][c]) - f64::from(exact[k][c]));
     let l2 = (off / sum(&|k, c| f64::from(exact[k][c]))).sqrt();
