@@ -32,10 +32,10 @@ fn record(pair: &Pair) -> Vec<f32> {
     let length = longest(pair.triangle);
     let dipoles = pair.dipoles();
     let corners = pair.triangle.iter().flat_map(|&corner| ((corner - pair.point) / length).to_array());
-    let of = |f: fn(&Dipole) -> f64| dipoles.each_ref().map(f);
-    let [sigma, z_real, z_virtual] = [of(|d| d.sigma), of(|d| d.z_real), of(|d| d.z_virtual)];
+    let each = |f: fn(&Dipole) -> f64| dipoles.each_ref().map(f);
+    let [sigma, z_real, z_virtual] = [each(|d| d.sigma), each(|d| d.z_real), each(|d| d.z_virtual)];
     let media = [sigma.map(|x| x * length), z_real.map(|x| x / length), z_virtual.map(|x| x / length)];
-    corners.chain(media.into_iter().flatten()).chain(of(|d| d.strength)).map(|x| x as f32).collect()
+    corners.chain(media.into_iter().flatten()).chain(each(|d| d.strength)).map(|x| x as f32).collect()
 }
 
 /// Form factors of three channels per record, and the median time per pair in nanoseconds.
@@ -51,7 +51,7 @@ fn form(device: &Device, nodes: u32, records: &[Vec<f32>], receivers: usize) -> 
     Ok((buffers[1].chunks_exact(4).map(number).collect(), ms * 1e6 / (records.len() * receivers) as f64))
 }
 
-/// Every form on every device.
+/// Every form of the form factor on every device.
 pub fn form_factor(_: &Asked, _: &Bench<'_>, page: &mut Page) -> Result<()> {
     let pairs = population(1, CHECKED);
     let exact: Vec<[f64; 3]> = pairs.iter().map(Pair::exact).collect();

@@ -49,13 +49,13 @@ struct Row {
 
 fn measured((name, detail): (&'static str, u32), tolerance: f64, bench: &Bench<'_>) -> Result<Row> {
     let scene = |frame: f64| {
-        let own = [
+        let sets = [
             format!("object.0.detail={detail}"),
             format!("transport.hierarchy={name}"),
             "transport.levels=3".into(),
             format!("transport.tolerance={tolerance}"),
         ];
-        Scene::load_at("sphere", &[&BALL.map(String::from)[..], &own].concat(), frame)
+        Scene::load_at("sphere", &[&BALL.map(String::from)[..], &sets].concat(), frame)
     };
     let options = Options { mode: Mode::Keep, goal: Goal::Radiosity, ..Options::default() };
     let start = Instant::now();

@@ -1,5 +1,5 @@
 //! `cargo bench -- NAME...`: measurements on the default device, as text. Names are those of the sections of
-//! `milkglass report`, of which this prints what a terminal can show, and of what is measured here only:
+//! `milkglass report`, of which this prints what a terminal can show, and of the measurements that are only here:
 //!
 //! - `stages`: each stage on the device and on the CPU, once both agree. This is what runs without a name.
 //! - `hierarchies`: the four trees on one deforming object.
@@ -20,7 +20,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::measure::report::{Bench, Page, SECTIONS};
 
-/// What the command line asks for.
+/// The arguments.
 #[derive(Default)]
 pub struct Asked {
     names: Vec<String>,
@@ -52,8 +52,8 @@ impl Asked {
 /// Measures and writes what it finds.
 type Measure = fn(&Asked, &Bench<'_>, &mut Page) -> Result<()>;
 
-/// What is measured here only.
-const OWN: [(&str, Measure); 8] = [
+/// The measurements that are only here, by name.
+const BENCHES: [(&str, Measure); 8] = [
     ("stages", scenes::stages),
     ("hierarchies", hierarchies::hierarchies),
     ("form-factor", form_factor::form_factor),
@@ -67,7 +67,8 @@ const OWN: [(&str, Measure); 8] = [
 fn run() -> Result<()> {
     let (mut asked, mut quick, mut cpu) = (Asked::default(), false, false);
     let mut words = std::env::args().skip(1);
-    let known = |name: &str| OWN.iter().any(|own| own.0 == name) || SECTIONS.iter().any(|own| own.name == name);
+    let known =
+        |name: &str| BENCHES.iter().any(|bench| bench.0 == name) || SECTIONS.iter().any(|part| part.name == name);
     while let Some(word) = words.next() {
         match word.as_str() {
             // Passed by cargo itself.
@@ -81,14 +82,14 @@ fn run() -> Result<()> {
         }
     }
     if asked.names.is_empty() {
-        asked.names.push(OWN[0].0.into());
+        asked.names.push(BENCHES[0].0.into());
     }
     let device = if cpu { None } else { Device::best()? };
     println!("{}", device.as_ref().map_or("the CPU".into(), |d| format!("{}, {}", d.name(), d.driver())));
     let bench = Bench { device: device.as_ref(), quick, keep: None };
     for name in &asked.names {
         let mut page = Page::default();
-        match (OWN.iter().find(|own| own.0 == name), SECTIONS.iter().find(|own| own.name == name)) {
+        match (BENCHES.iter().find(|bench| bench.0 == name), SECTIONS.iter().find(|part| part.name == name)) {
             (Some((_, measure)), _) => measure(&asked, &bench, &mut page)?,
             (_, Some(section)) => (section.write)(&bench, &mut page)?,
             _ => {}

@@ -1,4 +1,4 @@
-//! What can be measured for scenes of your own.
+//! Measurements of scenes of your own.
 
 use std::path::Path;
 
@@ -57,8 +57,8 @@ pub fn stages(asked: &Asked, bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 /// Table 1 of Kubo et al. 2010, and curvature against a solve of the hierarchy.
 pub fn local(asked: &Asked, bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     for name in asked.scenes(&["sphere"]) {
-        let own = ["camera.size=[1024, 1024]".to_string(), "transport.unwrap=true".into()];
-        let scene = Scene::load_with(&name, &[&own[..], &asked.sets].concat())?;
+        let sets = ["camera.size=[1024, 1024]".to_string(), "transport.unwrap=true".into()];
+        let scene = Scene::load_with(&name, &[&sets[..], &asked.sets].concat())?;
         page.head(&name);
         page.small_table(&Table::of(
             &table_1(&scene, bench.device, if bench.quick { 25 } else { 81 })?,
@@ -93,7 +93,7 @@ pub fn modes(asked: &Asked, bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Figures 3 and 4 and tables 3, 4, 5 of Mertens et al. 2003, also of meshes; a file of curves, `.csv`, is compared
+/// Figures 3 and 4 and tables 3, 4, 5 of Mertens et al. 2003, also for meshes; a file of curves, `.csv`, is compared
 /// with figures 3 and 4. `--only TEXT` selects tables by name, `--most-faces N` skips larger models, `--samples N` sets
 /// the number of faces at which errors are measured.
 pub fn tables(asked: &Asked, bench: &Bench<'_>, page: &mut Page) -> Result<()> {
@@ -113,11 +113,11 @@ pub fn tables(asked: &Asked, bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let models = Models { device: bench.device, meshes: &meshes, samples, most_faces };
     for (_, measure) in TABLES.iter().filter(|(name, _)| name.contains(asked.words("--only", ""))) {
         // Rows take minutes.
-        let mut told = |so_far: &Beside| {
+        let mut print = |so_far: &Beside| {
             so_far.table.rows.last().iter().for_each(|row| eprintln!("{}", row.join("  ")));
             Ok(())
         };
-        for beside in measure(&models, &mut told)? {
+        for beside in measure(&models, &mut print)? {
             beside.before.iter().for_each(|words| page.say(words));
             page.small_table(&beside.table);
             beside.after.iter().for_each(|words| page.say(words));
@@ -126,8 +126,9 @@ pub fn tables(asked: &Asked, bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Photons of each channel, and turns.
+/// Photons of each channel in a turn.
 const PHOTONS: u64 = 16_000;
+/// Turns, in each of which all walks run once.
 const TURNS: u64 = 5;
 
 /// Photons a second in marble under one directional light, on the device, by the CPU's reference and by a native

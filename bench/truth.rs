@@ -1,8 +1,8 @@
 //! Error against a random walk and against the area integral of the same model, by run time, for the built-in ball,
 //! torus and slab and for meshes (20 mm across), in three materials: `truth.csv` and the chart `truth.svg`.
 //!
-//! `--seconds 8` is how long each walk takes, `--budget 15` what a point may take, `--methods blocks,octree` what is
-//! compared.
+//! `--seconds 8` is the time of each walk, `--budget 15` the most seconds of a point, `--methods blocks,octree` which
+//! methods are compared.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use milkglass::measure::truth::Truth;
 
 use super::Asked;
 
-/// What is built in: names, scenes, and what is set.
+/// The built-in shapes: the name, the scene and a setting of each.
 const SHAPES: [(&str, &str, &str); 3] = [
     ("ball, 20 mm", "sphere", "object.0.size=20"),
     ("torus, 36 mm", "torus", "object.0.deform=[]"),
@@ -43,8 +43,8 @@ pub fn truth(asked: &Asked, bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let mut settings = Settings { methods, values: 5, repeat: 3, samples: 60, seed: 1, budget, truth: None };
     let walk = format!("walk:{}", asked.number("--seconds", 8.0)?);
     let stem = |file: &String| Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let own = asked.files.iter().map(|file| (format!("{}, 20 mm", stem(file)), file.as_str(), "object.0.size=20"));
-    let shapes = SHAPES.iter().map(|&(name, scene, set)| (name.to_string(), scene, set)).chain(own);
+    let meshes = asked.files.iter().map(|file| (format!("{}, 20 mm", stem(file)), file.as_str(), "object.0.size=20"));
+    let shapes = SHAPES.iter().map(|&(name, scene, set)| (name.to_string(), scene, set)).chain(meshes);
     let (mut rows, mut panels) = (Vec::new(), Vec::new());
     for (shape, scene, set) in shapes {
         for material in MATERIALS {
@@ -100,9 +100,9 @@ fn table(rows: &[Row]) -> Table {
 fn panel(title: &str, settings: &Settings, rows: &[Row]) -> Panel {
     let mut series = Vec::new();
     for (method, color) in settings.methods.iter().zip(COLORS) {
-        let dots = |of: usize| {
-            let own = rows.iter().filter(|row| row.method == method.name);
-            own.map(|row| (row.numbers[0], row.numbers[of].max(3e-4))).collect::<Vec<_>>()
+        let dots = |column: usize| {
+            let points = rows.iter().filter(|row| row.method == method.name);
+            points.map(|row| (row.numbers[0], row.numbers[column].max(3e-4))).collect::<Vec<_>>()
         };
         let name = format!("{}: against a random walk, noise taken off", method.name);
         series.push(Series::new(name, Mark::Curve, dots(1)).colored(color));

@@ -5,7 +5,7 @@ layout(local_size_x = SCAN_SIZE) in;
 
 shared SUM sums[SCAN_SIZE];
 
-// This invocation's run of `count` elements: the first, and the one after the last.
+// This invocation's run among `count` elements: the first, and the one after the last.
 uvec2 own_run(uint count) {
     uint each = (count + SCAN_SIZE - 1) / SCAN_SIZE;
     uint first = min(count, gl_LocalInvocationIndex * each);

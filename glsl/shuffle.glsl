@@ -1,6 +1,6 @@
-// Where an invocation is, and values of its neighbours in the subgroup. Full subgroups are taken for granted, so that
-// lanes are numbered by them. With WITHOUT_SUBGROUPS there is no subgroup operation: each invocation is alone. build.rs
-// compiles each kernel that includes this file both ways; devices that do not grant full subgroups get the other one.
+// An invocation's place in its group, and values of its neighbours in the subgroup. Subgroups are full, so that lanes
+// are numbered by them. With WITHOUT_SUBGROUPS there is no subgroup operation: each invocation is alone. build.rs
+// compiles each kernel that includes this file both ways; devices that do not grant full subgroups get that one.
 #ifdef WITHOUT_SUBGROUPS
 const uint SUBGROUP_SIZE = 1, SUBGROUP_LANE = 0;
 
@@ -10,7 +10,7 @@ uint lane() { return gl_LocalInvocationIndex; }
 float shuffled(float v, uint from) { return v; }
 uint shuffled(uint v, uint from) { return v; }
 
-// What the subgroup has written to shared memory is seen by all of it.
+// Makes the subgroup's writes to shared memory visible to all of its invocations.
 void exchange_in_subgroup() {}
 #else
 #define SUBGROUP_SIZE gl_SubgroupSize

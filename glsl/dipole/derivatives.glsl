@@ -1,14 +1,14 @@
 // The dipole's profile and its derivatives by half the squared distance: with a = sigma s,
 //   p0 = (1+a) e^-a / s^3,  p1 = p0'/s = -(3+3a+a^2) e^-a / s^5,  p2 = p1'/s = (15+15a+6a^2+a^3) e^-a / s^7,
-// each summed over both sources, times their depths and the channel's strength. One exponential a source; square root
-// and division are separate on purpose: neither waits for the other.
+// each summed over both sources, times their depths and the channel's strength. Each source takes one exponential;
+// square root and division are separate on purpose: neither waits for the other.
 struct Dipole {
     float sigma;
     // Squared depths of the real and the virtual source, and strength times depth.
     vec2 z2, weight;
 };
 
-// The includer reads frame. Call it once, outside of loops: loads in loops are expensive.
+// The includer reads `object_params`. Call it once, outside of loops: loads in loops are expensive.
 Dipole dipole_of(uint channel) {
     vec2 z = vec2(object_params[0].z_real[channel], object_params[0].z_virtual[channel]);
     return Dipole(object_params[0].sigma[channel], z * z, object_params[0].strength[channel] * object_params[0].tint[channel] * z);
@@ -27,7 +27,7 @@ vec3 profile_derivatives(Dipole dipole, float d2) {
            source_jet(dipole.sigma, dipole.z2.y, dipole.weight.y, d2);
 }
 
-// p0 + (p1 tau + p2 along) / 2: one link, without the gradient.
+// p0 + (p1 tau + p2 along) / 2: the value of one link, without its gradient.
 float source_value(float sigma, float z2, float weight, float d2, float half_tau, float half_along) {
     float s2 = d2 + z2, s = sqrt(s2), inverse = 1.0 / s2;
     float a = sigma * s;

@@ -1,4 +1,4 @@
-// The dipole's kernel p(s) = (1 + sigma s) e^{-sigma s} / s^3 (Table 1), per channel, and its moments' correction.
+// The dipole's kernel p(s) = (1 + sigma s) e^{-sigma s} / s^3 (Table 1), per channel, and its correction by moments.
 // Square root and division are separate on purpose: both are cheap, and neither waits for the other.
 vec3 dipole_kernel(vec3 sigma, vec3 s2) {
     vec3 s = sqrt(s2);

@@ -1,14 +1,14 @@
-// One sample of a triangle or cluster at its centre: what a plain link is worth, and a pair of brute force.
-// The includer reads frame, topology, clusters, triangles and positions.
+// One sample of a triangle or cluster at its centre: the form factor of a plain link, and of a pair of brute force.
+// The includer reads object_params, triangles and positions.
 #include "dipole/profile.glsl"
 #include "dipole/distance.glsl"
 
-// Form factor of `node` for a receiver at `d` from its centre.
+// Form factor of an emitter for a receiver at `d` from its centre.
 vec3 sample_center(uint node, Cluster emitter, uint face, vec3 d) {
     vec3 mean = emitter.area > 0.0 ? emitter.normal / emitter.area : vec3(0);
     vec3 z_real = object_params[0].z_real, z_virtual = object_params[0].z_virtual, sigma = object_params[0].sigma;
 
-    // A cluster's displaced sources hang on its mean normal, not normalised; a triangle's on its own.
+    // A cluster's sources are displaced along its mean normal, not normalised; a triangle's along its own normal.
     vec3 real2, virtual2;
     if (TABLE1 != 0 && face == NONE) {
         for (uint c = 0; c < 3; ++c) {

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// An object's vertices, twisted, bent, raised by bumps and noise, morphed, from where they are at rest. Additions,
-// multiplications and comparisons only, sine and cosine too: the same bits on every device.
+// Twists, bends, raises and morphs an object's vertices, starting from their positions at rest. Additions,
+// multiplications and comparisons only, in sine and cosine too: the same bits on every device.
 READS(object_params)
 READS(rest)
 READS(rest_normals)
@@ -20,7 +20,7 @@ float dot3(vec3 a, vec3 b) {
 
 #include "geometry/turn.glsl"
 
-// The corner `step` of a cell of the lattice: its gradient times the way from there.
+// The gradient at the corner `step` of a lattice cell, times the vector from that corner.
 float corner(uvec3 cell, vec3 f, uvec3 step) {
     uvec3 at = cell + step;
     uint h = (at.x * 0x8da6b343u) ^ (at.y * 0xd8163841u) ^ (at.z * 0xcb1ab31fu);
@@ -71,7 +71,7 @@ vec3 bend(Deform d, vec3 p, vec3 from) {
     precise float beyond = above - inside;
     precise float turns = d.rate * inside;
     vec2 sc = turn(turns);
-    // Up the arc, and from it; with little curvature the radius is long and would cancel.
+    // Up the arc, and sideways; with little curvature the radius is long and would cancel, so a series serves.
     precise float phi = 6.2831855 * turns;
     precise float z = phi * phi;
     bool straight = z < 0.0625;

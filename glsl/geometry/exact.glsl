@@ -9,7 +9,7 @@ float inverse_of(float x) {
     return y;
 }
 
-// Square root, to 2e-7; 0 of numbers below 1e-30.
+// Square root, to 2e-7; 0 for numbers up to 1e-30.
 float root_of(float x) {
     precise float h = 0.5 * x;
     precise float y = uintBitsToFloat(0x5f375a86u - (floatBitsToUint(x) >> 1));
@@ -20,13 +20,14 @@ float root_of(float x) {
     return x > 1e-30 ? root : 0.0;
 }
 
-// A vector scaled to unit length, and one of nearly unit length made more so.
+// A vector scaled to unit length.
 vec3 unit_of(vec3 v) {
     float inverse = inverse_of(root_of(dot3(v, v)));
     precise vec3 unit = v * inverse;
     return unit;
 }
 
+// A vector of nearly unit length, brought nearer to it.
 vec3 kept_unit(vec3 v) {
     float square = dot3(v, v);
     precise float factor = 1.5 - 0.5 * square;

@@ -10,13 +10,13 @@ const uint FREE = 0, BLOCKED = 1;
 
 // A ray from `origin` along `direction`, up to the light at `light`, or without end if it is `far`.
 struct Ask {
-    uint face; // that it starts from
+    uint face; // the triangle that it starts from
     vec3 origin, direction, light;
     bool far;
-    Plane own;    // that it starts from
-    float side;   // of that plane on which it leaves
-    bool wanted;  // no ray is followed if not
-    bool others;  // the `spared` triangles (first, number) block nothing, and those behind that plane do
+    Plane own;    // the plane of that triangle
+    float side;   // the side of that plane on which it leaves
+    bool wanted;  // if not, no ray is followed
+    bool others;  // the `spared` triangles (first, number) block nothing; all others may, behind that plane too
     uvec2 spared;
 };
 
@@ -48,7 +48,7 @@ uint occlusion(Ask ask) {
     Nearest limit = light_of(ray, ask.far);
     uint end = object_params[0].scene_nodes, node = ask.wanted ? 0 : end;
     while (node < end) {
-        // On to the next triangle whose box the ray meets. Then that triangle.
+        // Goes on to the next triangle whose box the ray meets, then tests that triangle.
         uint face = NONE;
         while (face == NONE && node < end) {
             Bounds box = placed_bounds[node];

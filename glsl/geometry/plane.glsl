@@ -2,8 +2,8 @@
 
 struct Plane {
     vec3 corner;
-    vec3 normal; // of twice the triangle's area
-    vec3 size;   // the same sums with every term positive: what rounding is a share of
+    vec3 normal; // its length is twice the triangle's area
+    vec3 size;   // the same sums with every term positive: rounding is a share of it
 };
 
 Plane plane_of(vec3 a, vec3 b, vec3 c) {

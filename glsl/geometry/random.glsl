@@ -1,6 +1,6 @@
 // Random numbers and directions about an axis: the same bits on every device.
 
-// Four random numbers of four whole ones: pcg4d of Jarzynski and Olano 2020.
+// Four random integers from four integers: pcg4d of Jarzynski and Olano 2020.
 uvec4 random4(uint a, uint b, uint c, uint d) {
     uvec4 v = uvec4(a, b, c, d) * 1664525u + 1013904223u;
     v.x += v.y * v.w; v.y += v.z * v.x; v.z += v.x * v.y; v.w += v.y * v.z;
@@ -15,7 +15,7 @@ float unit_random(uint bits) {
     return x;
 }
 
-// The direction that has these cosine and azimuth (in turns) about an axis.
+// The direction with this cosine to an axis and this azimuth (in turns) about it.
 vec3 about(vec3 axis, float cosine, float turns) {
     float s = axis.z >= 0.0 ? 1.0 : -1.0;
     precise float a = -s * inverse_of(1.0 + s * axis.z);

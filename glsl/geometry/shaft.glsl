@@ -1,18 +1,18 @@
 // Rays of a team of invocations go through the wide tree together. Each invocation tests another child of a node
 // against the shaft that holds all their rays; the triangles that it meets are listed, and then all test the same ones,
-// each against its own ray. Which triangles are listed decides nothing: they are at least all that could change what
-// is found. A shaft may hold many that no ray comes near, such as those of a dense mesh between two pixels' rays: after
-// MOST_LISTED, rays that need more go alone.
+// each against its own ray. The result does not depend on which triangles are listed: all that could change it are
+// among them. A shaft may hold many that no ray comes near, such as those of a dense mesh between two pixels' rays:
+// after MOST_LISTED, rays that need more go alone.
 //
-// The includer says what is in the shaft. All invocations of a team take the same way, those without a ray too.
+// The includer says what is in the shaft. All invocations of a team take the same branches, those without a ray too.
 
 bool in_shaft(vec3 low, vec3 high);
 
 const uint MOST_LISTED = 1024;
 const uint TEAMS = TEAM_GROUP / LEAST_TEAM;
-// Triangles that wait for their test. Wide nodes that wait to be opened: hierarchy::wide says at most 73.
+// LIST triangles wait for their test, DEPTH wide nodes to be opened: `hierarchy::wide` says at most 73.
 const uint LIST = 32, DEPTH = 80, LISTS = TEAMS * LIST, STACKS = LISTS + TEAMS * DEPTH;
-// The last part takes what is not kept, so that all invocations store without a branch.
+// The last part takes values that are not kept, so that all invocations store without a branch.
 shared uint pool[STACKS + TEAM_GROUP];
 
 // An invocation's place in its group, and its team's share of the pool.
@@ -26,7 +26,7 @@ Place place_in_team() {
 // Whether the device has teams of this size.
 bool in_teams() { return TEAM > 1 && SUBGROUP_SIZE >= TEAM; }
 
-// The bits of the whole team.
+// All bits of the whole team, or-ed.
 uint joined(uint v) {
     uint self = SUBGROUP_LANE;
     if (TEAM > 1) v |= shuffled(v, self ^ 1);
@@ -35,7 +35,7 @@ uint joined(uint v) {
     return v;
 }
 
-// The least numbers of the whole team.
+// The least values in the whole team, by component.
 vec3 least(vec3 v) {
     uint self = SUBGROUP_LANE;
     if (TEAM > 1) v = min(v, shuffled(v, self ^ 1));
@@ -44,7 +44,7 @@ vec3 least(vec3 v) {
     return v;
 }
 
-// Wide nodes that wait, whole trees beyond them, and triangles that were listed.
+// How many wide nodes wait, how many whole trees after them, and how many triangles were listed.
 struct Waiting { uint nodes, tops, listed; };
 
 bool waits(Waiting way) { return way.nodes > 0 || way.tops > 0; }
@@ -61,7 +61,7 @@ uint list_triangles(Place self, inout Waiting way) {
     while (way.nodes > 0 && count + WIDE <= LIST) {
         --way.nodes;
         uint node = pool[self.stack + way.nodes];
-        // Of each child, whether it is in the shaft: a bit of the lower half where it is a triangle, else of the upper.
+        // Each child in the shaft sets a bit: of the lower half if it is a triangle, else of the upper half.
         uint met = 0;
         Bounds box[WIDE / LEAST_TEAM];
         for (uint k = 0; k < WIDE / TEAM; ++k) {

@@ -42,8 +42,8 @@ Sight sight(vec3 direction) {
     return Sight(d, right, up, scale, dot3(d, d));
 }
 
-// What a triangle, its corners seen from the ray's origin, is to the ray: weights of its corners, all of one sign where
-// it is hit, and the distance of that point: numerator / (denominator x square), in multiples of `along`.
+// Where the ray pierces a triangle whose corners are relative to its origin: weights of the corners, all of one sign
+// where it is hit, and the distance of that point: numerator / (denominator x square), in multiples of `along`.
 Nearest pierce(Sight ray, vec3 a, vec3 b, vec3 c) {
     vec3 x = vec3(dot3(ray.right, a), dot3(ray.right, b), dot3(ray.right, c));
     vec3 y = vec3(dot3(ray.up, a), dot3(ray.up, b), dot3(ray.up, c));

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// An object's vertices, placed by the joints that they follow, after morph targets. Additions and multiplications only:
+// Applies morph targets to an object's vertices, then the joints that they follow. Additions and multiplications only:
 // the same bits on every device.
 READS(object_params)
 READS(skin_vertices)

@@ -1,5 +1,5 @@
 // The sphere around some receivers: the middle of their box, and the distance of the farthest. The includer reads
-// `places`.
+// `receiver_positions`, `clusters` and `object_params`.
 Sphere sphere_of(uint first, uint count) {
     vec3 low = vec3(1e30), high = vec3(-1e30);
     for (uint k = 0; k < count; ++k) {
@@ -14,7 +14,7 @@ Sphere sphere_of(uint first, uint count) {
         radius2 = max(radius2, dot(d, d));
         spread += dot(d, d);
     }
-    // The usual block: a flat disc of the mean area of all blocks.
+    // The mean square radius of the usual block: a flat disc of the mean area of all blocks.
     float disc = max(clusters[0].area / (6.2831853 * float(object_params[0].usual_blocks)), 1e-30);
     return Sphere(center, sqrt(radius2), spread / (float(count) * disc));
 }

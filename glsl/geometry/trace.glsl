@@ -1,7 +1,7 @@
 // The nearest triangle along a ray, by the tree of the scene.
 #include "geometry/sight.glsl"
 
-// What is lost in rounding a product: exact for products above 1e-24.
+// The rounding error of a product: exact for products above 1e-24.
 float lost(float a, float b, float product) {
     precise float split_a = 4097.0 * a, split_b = 4097.0 * b;
     precise float high_a = split_a - (split_a - a), high_b = split_b - (split_b - b);
@@ -10,8 +10,8 @@ float lost(float a, float b, float product) {
     return rest;
 }
 
-// The nearer of a hit and that of a triangle, if there is one. Fractions are compared exactly, of equal ones the first
-// triangle counts: so the order in which triangles come does not matter.
+// The nearer of the nearest hit so far and a hit on this triangle, if there is one. Fractions are compared exactly; of
+// equal ones the triangle with the lower number counts: so the order in which triangles come does not matter.
 Nearest nearer(Nearest nearest, Sight ray, vec3 origin, uint face, vec3 corner_a, vec3 corner_b, vec3 corner_c) {
     precise vec3 a = corner_a - origin;
     precise vec3 b = corner_b - origin;
@@ -32,7 +32,7 @@ Nearest nearer(Nearest nearest, Sight ray, vec3 origin, uint face, vec3 corner_a
     return nearest;
 }
 
-// Its distance in multiples of the ray's direction.
+// The hit with its distance in multiples of the ray's direction.
 Nearest along_ray(Nearest nearest, Sight ray) {
     precise float numerator = nearest.numerator * ray.scale, denominator = nearest.denominator * ray.square;
     return Nearest(nearest.face, nearest.weights, numerator, denominator);

@@ -1,6 +1,6 @@
 // Sine and cosine in additions, multiplications and comparisons: the same bits on every device.
 
-// sin of up to a quarter of a turn.
+// Sine of an angle of up to a quarter of a turn.
 float quarter(float x) {
     precise float z = x * x;
     precise float sum = SINE[6];

@@ -30,12 +30,12 @@ UPDATES(radiance)
 const uint MOST_MAPS = MOST_LAYERS / MAP_LAYERS;
 
 struct March {
-    vec3 point, normal, plane_point, plane_normal; // at P, and of the fitted plane
-    vec3 eye;                                      // towards it
-    vec2 place;                                    // in the maps, at P
-    vec3 du, dv;                                   // gradients of that
-    vec2 low, high;                                // what bounds its island there
-    float slope;                                   // depth won per length
+    vec3 point, normal, plane_point, plane_normal; // the surface at P, and the fitted plane
+    vec3 eye;                                      // direction towards the eye
+    vec2 place;                                    // P's place in the maps
+    vec3 du, dv;                                   // gradients of the place
+    vec2 low, high;                                // the bounds of P's island in the maps
+    float slope;                                   // depth gained per length
     float reach;                                   // length of the ray
 };
 
@@ -92,14 +92,14 @@ struct Texels {
 Texels texels_at(Layering own, March m, vec3 offset) {
     vec2 place = m.place + vec2(dot(m.du, offset), dot(m.dv, offset));
     if (MAPPED == MAPPED_BY_ISLANDS) {
-        // The last texel of a margin has none beyond it.
+        // There is no texel beyond the last one of a margin.
         place = clamp(place, m.low, m.high);
         vec2 low = floor(place);
         uvec2 first = uvec2(low), last = min(first + 1u, uvec2(m.high));
         uint above = own.first_texel + first.y * own.size.x, below = own.first_texel + last.y * own.size.x;
         return Texels(uvec4(above + first.x, above + last.x, below + first.x, below + last.x), place - low);
     }
-    // Within the range of integers.
+    // The place is brought within the range of integers.
     if (own.wrap == WRAP_REPEAT) place -= floor(place);
     if (own.wrap == WRAP_CLAMP) place = clamp(place, vec2(-1), vec2(2));
     if (own.wrap == WRAP_MIRROR) place -= 2.0 * floor(0.5 * place);
@@ -111,22 +111,22 @@ Texels texels_at(Layering own, March m, vec3 offset) {
     return Texels(own.first_texel + uvec4(above + left, above + right, below + left, below + right), at - low);
 }
 
-// Depths of four layers' lower interfaces there.
+// Depths of the lower interfaces of a map's four layers at these texels.
 vec4 depths_of(Layering own, Texels t, uint map) {
     if (MAPPED == MAPPED_NOT) return depths[own.first_texel + map];
     uvec4 at = t.at + map * own.size.x * own.size.y;
     return mix(mix(depths[at.x], depths[at.y], t.part.x), mix(depths[at.z], depths[at.w], t.part.x), t.part.y);
 }
 
-// How many interfaces lie above a depth, beginning with a map's first.
+// How many of a map's interfaces lie at or above a depth.
 uint above(vec4 interfaces, float depth) {
     uvec4 counts = uvec4(greaterThanEqual(vec4(depth), interfaces));
     return counts.x + counts.y + counts.z + counts.w;
 }
 
-// The phase function of two cosines.
+// The phase function at two cosines.
 vec2 phase(float g, vec2 cosine) {
-    // In sums of positive terms: 1 + g^2 + 2 g c, or 1 + g c.
+    // 1 + g^2 + 2 g c, or 1 + g c, as sums of positive terms.
     float size = abs(g);
     vec2 past = size * max(1.0 + (g < 0.0 ? -cosine : cosine), 0.0);
     vec2 base = HENYEY != 0 ? (1.0 - size) * (1.0 - size) + 2.0 * past : 1.0 - size + past;
@@ -134,15 +134,15 @@ vec2 phase(float g, vec2 cosine) {
     return (1.0 - size) * (1.0 + size) / (4.0 * 3.14159265358979 * power.x * power.y) * power.yx;
 }
 
-// What a light does at a place: its share that arrives but for the dimming, the depth of its way there, and the cosine
-// that the phase function takes.
+// A light at a place: the share that would arrive without dimming, the optical depth of its path in the layers, and the
+// cosine for the phase function.
 struct Lit {
     vec3 arrives;
     vec3 dimmed;
     float cosine;
 };
 
-// `here` are the depths of the interfaces at that place, `t` along the ray.
+// `here` are the depths of the interfaces at that place, `t` is its distance along the ray.
 Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, vec4 here[MOST_MAPS]) {
     vec3 place = m.point - t * m.eye, toward;
     float falloff = arrival(light, place, toward) * reaches(light, face);

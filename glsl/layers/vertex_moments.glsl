@@ -1,4 +1,4 @@
-// Vertices of two clusters together.
+// The moments of two clusters' vertices together.
 VertexMoments joined(VertexMoments a, VertexMoments b) {
     float count = a.count + b.count, share = count > 0.0 ? b.count / count : 0.0;
     vec3 d = b.center - a.center;

@@ -1,12 +1,12 @@
-// The light that arrives from a light source. SHADOWS is not 0 if there are bits of shadow: in `lit`, unless the
-// includer defines LIT and LIT_WORDS to read them from another buffer.
+// The light that arrives from a light source. SHADOWS is not 0 if there are shadow bits: in `lit`, unless the includer
+// defines LIT and LIT_WORDS to read them from another buffer.
 #ifndef LIT
 #define LIT(word) lit[word]
 #define LIT_WORDS object_params[0].shadow_words
 #endif
 
-// The share of a light's intensity in the unit direction `away` from it. 1 - cos is taken from the sine, which is exact
-// for narrow cones too.
+// The share of a light's intensity in the unit direction `away` from it. 1 - cos is computed from the sine, which is
+// accurate for narrow cones too.
 float emission(Light light, vec3 away) {
     float c = dot(light.axis, away);
     vec3 s = cross(light.axis, away);
@@ -26,7 +26,7 @@ float arrival(Light light, vec3 point, out vec3 toward) {
     return emission(light, -toward) / d2;
 }
 
-// 1 if a light reaches a face, or the pixel that LIT has bits of; 0 if that is in shadow.
+// 1 if a light reaches the face or pixel `index`, whose bits LIT has; 0 if that is in shadow.
 float reaches(Light light, uint index) {
     float lets = 1.0;
     if (SHADOWS != 0) {

@@ -1,7 +1,7 @@
-// E of equation 5 at a point of an object with a normal: the cosine of every unshadowed light times the Fresnel
-// transmittance, and the environment by its harmonics. SHADOWS is not 0 if lights cast any, SKY if there is an
-// environment. The lights are `lights`, and rays to the environment even over all directions, unless the includer
-// defines LIGHTS, LIGHT_AT and SKY_WEIGHT.
+// E of equation 5 at a point with a normal: the cosine of every unshadowed light times the Fresnel transmittance, and
+// the environment by its harmonics. SHADOWS is not 0 if lights cast shadows, SKY if there is an environment. The lights
+// are `lights`, and rays to the environment are even over all directions, unless the includer defines LIGHTS, LIGHT_AT
+// and SKY_WEIGHT.
 #ifndef LIGHTS
 #define LIGHTS object_params[0].lights
 #define LIGHT_AT(i) lights[i]
@@ -11,7 +11,7 @@
 #include "lighting/harmonics.glsl"
 #include "lighting/arrival.glsl"
 
-// `index` is that of the face, or of the pixel, that the bits of shadow belong to.
+// `index` is the face or pixel that the shadow bits belong to.
 vec3 entering(uint object, uint index, vec3 point, vec3 normal) {
     bool both = object_params[object].two_sided != 0;
     vec3 sum = vec3(0);

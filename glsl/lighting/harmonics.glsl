@@ -14,11 +14,12 @@ vec3 degree_2(vec3 n) {
     return 1.09254843 * mixed + axial + 0.54627421 * (n.x * n.x - n.z * n.z) * harmonics[8];
 }
 
-// Radiance from a direction, and what of all directions enters a face of this normal.
+// Radiance from a direction.
 vec3 sky_radiance(vec3 n) {
     return max(vec3(0), degree_0() + degree_1(n) + degree_2(n));
 }
 
+// Light from all directions that enters a surface with this normal.
 vec3 sky_irradiance(uint object, vec3 n) {
     vec3 low = object_params[object].zonal_0 * degree_0() + object_params[object].zonal_1 * degree_1(n);
     return max(vec3(0), low + object_params[object].zonal_2 * degree_2(n));

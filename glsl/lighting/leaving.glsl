@@ -1,6 +1,6 @@
-// The cosine towards the eye of the surface at a point of a triangle, at which light leaves. Interpolated normals turn
-// edge-on before a coarse mesh ends, and no light leaves edge-on: a dark seam along the silhouette. So where the
-// triangle itself is seen at a larger cosine, that counts, up to LEAST_SEEN. On a fine mesh both are the same.
+// The cosine between the surface and the eye at which light leaves a point of a triangle. Interpolated normals turn
+// edge-on before a coarse mesh ends, and no light leaves edge-on, which would draw a dark seam along the silhouette.
+// So where the triangle itself is seen at a larger cosine, that counts, up to LEAST_SEEN. On a fine mesh both agree.
 float seen_cosine(vec3 normal, vec3 eye, vec3 a, vec3 b, vec3 c) {
     precise vec3 e1 = b - a;
     precise vec3 e2 = c - a;

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Light that an opaque face reflects diffusely.
+// The light that an opaque face reflects diffusely.
 READS(object_params)
 READS(irradiance)
 WRITES(radiosity)

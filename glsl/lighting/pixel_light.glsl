@@ -2,7 +2,7 @@
 // square evenly (R2, by the plastic number), shifted for each pixel: no two neighbours see the same ones, and further
 // samples fill the gaps. The same bits on every device.
 
-// `normal`: the surface's, of any length. A ray to the environment is drawn by the cosine about it.
+// `normal` is the surface's, of any length. Rays to the environment are drawn by the cosine about it.
 Light pixel_light(uint number, uint pixel, vec3 normal) {
     Light light = pixel_lights[number];
     bool area = light.kind == LIGHT_AREA || light.kind == LIGHT_AREA_BOTH;

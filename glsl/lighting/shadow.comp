@@ -24,7 +24,7 @@ UPDATES(cut_short)
 #include "lighting/way.glsl"
 #include "geometry/shaft.glsl"
 
-// The box of the rays' origins, moved to the light: where they converge there, they lie within.
+// The shaft is the box of the rays' origins, moved to the light; rays that converge there stay within.
 vec3 shaft_middle, shaft_size;
 Sight shaft_axis;
 Nearest shaft_end;

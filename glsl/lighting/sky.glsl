@@ -3,7 +3,7 @@
 const float PI = 3.14159265358979;
 
 // The angle of (x, y), -pi to pi. Vulkan allows a driver's own function an error of 4096 units in the last place; this
-// is a series in the tangent of half the angle within an eighth of a turn, whose first omitted term is 2e-8.
+// is a series for half the angle, within an eighth of a turn, in its tangent; its first omitted term is 2e-8.
 float angle(float y, float x) {
     float a = min(abs(x), abs(y)), b = max(abs(x), abs(y));
     float t = a / max(b + sqrt(a * a + b * b), 1e-30), s = t * t;
@@ -15,7 +15,7 @@ float angle(float y, float x) {
     return y < 0.0 ? -whole : whole;
 }
 
-// From a direction of any length but 0; columns go round, rows end at the poles.
+// The radiance from a direction of any length but 0; columns go round, rows end at the poles.
 vec3 sky_toward(vec3 direction) {
     uint width = object_params[0].sky.x, height = object_params[0].sky.y;
     float turns = angle(direction.x, -direction.z) / (2.0 * PI) + object_params[0].sky_turn;

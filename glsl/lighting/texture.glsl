@@ -2,7 +2,7 @@
 
 #include "lighting/wrap.glsl"
 
-// A texture by its first texel, size and wrap modes: (0, 0) is its upper left corner, (1, 1) its lower right one.
+// The texture that has this first texel, size and wrap modes: (0, 0) is its upper left corner, (1, 1) its lower right.
 vec3 texture_at(uint first, uvec2 size, uvec2 wrap, vec2 place) {
     vec2 at = vec2(size) * place - 0.5, low = floor(at), part = at - low;
     int column = int(low.x), row = int(low.y);
@@ -12,7 +12,7 @@ vec3 texture_at(uint first, uvec2 size, uvec2 wrap, vec2 place) {
                mix(texels[below + left], texels[below + right], part.x), part.y);
 }
 
-// The factors of an object's texture.
+// The factors of an object's texture at a place.
 vec3 texture_factor(uint object, vec2 place) {
     return texture_at(object_params[object].texture_first, object_params[object].texture_size, object_params[object].texture_wrap, place);
 }

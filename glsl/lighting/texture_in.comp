@@ -3,14 +3,14 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Light that enters a face times the texture's mean over it, from the centroids of equal parts.
+// Multiplies the light that enters a face by the texture's mean over it, from the centroids of equal parts.
 READS(object_params)
 READS(corner_uvs)
 READS(texels)
 UPDATES(irradiance)
 #include "lighting/texture.glsl"
 
-// The longest edge along either side of the texture, in texels.
+// The longest extent of an edge along either side of the texture, in texels.
 float longest(CornerUvs uvs) {
     vec2 size = vec2(object_params[0].texture_size);
     precise vec2 ab = abs(uvs.b - uvs.a) * size, bc = abs(uvs.c - uvs.b) * size, ca = abs(uvs.a - uvs.c) * size;
@@ -26,7 +26,7 @@ void main() {
     vec3 sum = vec3(0);
     for (uint k = 0; k < n * n; ++k) {
         uvec2 cell = uvec2(k / n, k % n);
-        // Beyond the diagonal lie the inverted parts, counted from the far corner.
+        // Inverted parts lie beyond the diagonal, and are counted from the far corner.
         bool upright = cell.x + cell.y < n;
         vec2 corner = vec2(upright ? cell : n - 1 - cell);
         sum += texture_factor(0, texture_place(uvs, (corner + (upright ? 1.0 : 2.0) / 3.0) / float(n)));

@@ -3,7 +3,7 @@
 #include "geometry/plane.glsl"
 #include "geometry/occlusion.glsl"
 
-// It is not `wanted` if not `asked`. With `others` an object does not shadow itself.
+// No ray is wanted if it is not `asked` for. With `others`, an object does not shadow itself.
 Ask way(Light light, uint object, uint face, vec3 origin, bool asked, bool others) {
     bool far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
     precise vec3 direction = light.place;

@@ -1,6 +1,6 @@
 #include "geometry/blend.glsl"
 
-// Which of `count` texels in a row stands at place i, for a WRAP_; i is at least -count, or -2 count if mirrored.
+// Which of `count` texels in a row stands at place i, by a WRAP_ mode; i is at least -count, or -2 count if mirrored.
 uint wrapped(uint wrap, int i, uint count) {
     if (wrap == WRAP_CLAMP) return uint(clamp(i, 0, int(count) - 1));
     uint period = wrap == WRAP_MIRROR ? 2 * count : count;

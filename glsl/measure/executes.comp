@@ -1,7 +1,7 @@
 #version 460
 
-// Whether the device executes what it is given: every other word becomes a function of the first, which the host writes
-// together with poison for the others.
+// Whether the device executes what it is given: each word after the first becomes a function of the first, which the
+// host writes together with poison for the others.
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 0) restrict buffer words_block { uint words[]; };
 

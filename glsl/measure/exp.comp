@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "invocation.glsl"
 
-// How fast the device takes exponentials: sixteen a round, each with an addition to a sum and one to its argument.
+// How fast the device computes exponentials: sixteen a round, each with one addition to a sum and one to its argument.
 layout(constant_id = 0) const uint ROUNDS = 1;
 layout(set = 0, binding = 0) restrict readonly buffer step_block { vec2 steps[]; };
 layout(set = 0, binding = 1) restrict writeonly buffer sum_block { float sums[]; };

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "invocation.glsl"
 
-// How fast the device multiplies and adds: sixteen chains a round, of which none waits for another.
+// How fast the device multiplies and adds: a step of sixteen chains a round, none of which waits for another.
 layout(constant_id = 0) const uint ROUNDS = 1;
 layout(set = 0, binding = 0) restrict readonly buffer term_block { vec2 terms[]; };
 layout(set = 0, binding = 1) restrict writeonly buffer sum_block { float sums[]; };

@@ -4,7 +4,7 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "layout.glsl"
 
-// What kernels rely on, and what some drivers get wrong: each probe has an exact answer, in whole words. Numbers come
+// Tests what kernels rely on and some drivers get wrong: each probe has an exact answer, in whole words. Numbers come
 // from a buffer, so that no compiler knows them.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint PROBE = 0;
@@ -15,7 +15,7 @@ struct Uneven {
     float after;
 };
 
-// 64 columns of rows, after the number of rows.
+// The number of rows, then the rows, of GROUP_SIZE numbers each.
 layout(set = 0, binding = 0, scalar) restrict readonly buffer number_block { uint rows; uint numbers[]; };
 layout(set = 0, binding = 1, scalar) restrict readonly buffer term_block { float terms[]; };
 layout(set = 0, binding = 2, scalar) restrict readonly buffer uneven_block { Uneven uneven[]; };
@@ -30,8 +30,8 @@ uint number(uint row) {
     return numbers[row * GROUP_SIZE + gl_LocalInvocationIndex];
 }
 
-// Steps of three rows where a number has one of its two lowest bits, else of one; the inner loop assigns `hit` in
-// every iteration, and `hit` indexes a buffer after it.
+// Steps by three rows where a number has one of its two lowest bits, else by one; the inner loop assigns `hit` in every
+// iteration, and `hit` indexes a buffer after the loop.
 uint nested() {
     uint i = 0, sum = 0;
     for (;;) {
@@ -91,7 +91,7 @@ uint shuffled() {
     return sum;
 }
 
-// Every second lane asks the next one, which is elsewhere.
+// Every second lane asks the next one, which does not take the branch.
 uint inactive() {
     uint own = numbers[lane()];
     if ((lane() & 1) == 0) own = subgroupShuffle(own, gl_SubgroupInvocationID + 1);

@@ -46,7 +46,7 @@ void main() {
         }
         light = vec4(E, 1.0);
 
-        // The place is linear in the texture coordinates.
+        // Positions are linear in the texture coordinates.
         vec2 p = uvs.b - uvs.a, q = uvs.c - uvs.a;
         precise float turned = p.x * q.y - p.y * q.x;
         vec3 along = (b - a) * q.y - (c - a) * p.y, down = (c - a) * p.x - (b - a) * q.x;

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A cell of the CDRF's table in one word. The changes are whole numbers of steps from what is left of the first corner.
+// A cell of the CDRF's table in one word. Changes are whole numbers of steps from the first corner's rounded value.
 layout(constant_id = 0) const uint SIDE = 2;
 READS(cdrf_grid)
 WRITES(cdrf_cells)

@@ -15,9 +15,9 @@ vec3 cdrf(float c, vec3 sigma) {
     wide = 0.04244132 * second - q5 * (0.01818914 * third - q7 * wide);
     wide = 0.31830989 + q * (0.21220659 * once - q3 * wide);
 
-    // A narrow one: e |c| / 2, and near the edge of the lit half s times a Gaussian of the angle x from it, over s,
-    // times a polynomial in s^2 and t, from 1 at the edge to 0 far from it, fitted to the convolution. x^2 is one in
-    // c^2.
+    // A narrow one: e |c| / 2, and near the edge of the lit half s times a Gaussian of x / s, x the angle from the
+    // edge, times a polynomial in s^2 and t, fitted to the convolution; t falls from 1 at the edge to 0 far from it.
+    // x^2 is a polynomial in c^2.
     float a = abs(c), x2 = m * (1.0 + m * (0.32401063 + m * (0.28757736 + m * (-0.28045327 + m * 0.55516601))));
     vec3 t = s / (s + 0.4 * a);
     vec3 near = -0.05878687 + t * (0.39388367 + t * (-0.94191491 + t * (1.28325265 - t * 0.27757759)));

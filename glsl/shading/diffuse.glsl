@@ -1,6 +1,6 @@
-// Radiance of a pixel from the light, the normal and the curvature of the point that it shows: f(cos, sigma) times what
-// arrives. The includer defines f as `respond`, its factors on the environment's harmonics as `respond_sky`, and the
-// sigma of a point, from sigma_0 kappa, as `push_links`.
+// Radiance of a pixel from the light, the normal and the curvature of the point that it shows: f(cos, sigma) times the
+// light that arrives. The includer defines f as `respond`, its factors on the environment's harmonics as `respond_sky`,
+// and the sigma of a point, from sigma_0 kappa, as `local_sigma`.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint SHADOWS = 0;
 layout(constant_id = 2) const uint SKY = 0;
@@ -29,7 +29,7 @@ vec4 bend(uint vertex) {
 }
 
 void main() {
-    // What all pixels share is read before any invocation returns: after that some drivers read it lane by lane.
+    // Values that all pixels share are read before any invocation returns: after that some drivers read them by lanes.
     // Without a sky there is at least one light, or nothing would be shaded.
     uint pixel = invocation(), count = object_params[0].lights;
     Camera view = camera[0];

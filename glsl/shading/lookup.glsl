@@ -1,6 +1,6 @@
 // The table of the CDRF, bilinear between its entries: SIDE x SIDE of them, cosines from -1 to 1, sigmas from 0 to
-// CDRF_WIDEST. A cell is one word: the value at its first corner, and the changes across, up and both, in steps of 1 /
-// (31 (SIDE - 1)).
+// CDRF_WIDEST. A cell is one word: the value at its first corner, and the changes across, up and both, in steps of
+// 1 / (31 (SIDE - 1)).
 vec3 lookup(float c, vec3 sigma) {
     const float last = float(SIDE - 1);
     float across = clamp(0.5 * last * c + 0.5 * last, 0.0, last), column = min(floor(across), last - 1.0);

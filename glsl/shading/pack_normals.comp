@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The attributes of a vertex that local shading reads, in two words. BENT is 0 if kappa is not needed,
-// 2 if it is smoothed.
+// The attributes of a vertex that local shading reads, in two words. BENT is 0 if kappa is not needed, 2 if it is
+// smoothed, else 1.
 layout(constant_id = 0) const uint BENT = 0;
 READS(object_params)
 READS(placed_normals)

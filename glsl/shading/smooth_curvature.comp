@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// kappa of a vertex from the curvature measures around it: of clusters small compared with the radius, and of
-// triangles that are not.
+// kappa of a vertex from the curvature measures around it: those of clusters that are small compared with the radius,
+// and of triangles of any size.
 READS(object_params)
 READS(positions)
 READS(vertex_order)
@@ -18,12 +18,12 @@ WRITES(smooth_kappa)
 void main() {
     uint place = invocation();
     if (place >= object_params[0].vertices) return;
-    // Neighbouring invocations walk through the tree alike.
+    // In this order neighbouring invocations visit the same nodes.
     uint vertex = vertex_order[place];
     uint nodes = object_params[0].nodes, start = object_params[0].first_node;
     float radius = object_params[0].curvature_radius;
     vec3 normal = normals[vertex], at = positions[object_params[0].first_vertex + vertex], sums = vec3(0);
-    // What is summed is a decision.
+    // Which nodes are summed is a decision.
     precise float reach = radius * radius, small = (SMOOTHING_SHARE * radius) * (SMOOTHING_SHARE * radius);
     bool smooths = radius > 0.0 && normal != vec3(0);
     float over = smooths ? 1.0 / reach : 0.0;

@@ -34,7 +34,8 @@ void main() {
     if (sheet == 0) return;
     Unwrapping own = unwrappings[sheet - 1];
 
-    // Whole repetitions are taken off: if an edge does not continue at the opposite one, the triangle lies within one.
+    // Whole repetitions are subtracted: if an edge of the texture does not continue at the opposite edge, the triangle
+    // lies within one repetition.
     CornerUvs uvs = corner_uvs[hit.face];
     vec2 place = texture_place(uvs, vec2(hit.u, hit.v)), middle = floor(texture_place(uvs, vec2(1.0 / 3.0)));
     vec2 at = float(own.side) * (place - middle) - 0.5, low = floor(at), part = at - low;

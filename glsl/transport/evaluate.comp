@@ -7,11 +7,12 @@
 #define NODES 12
 #include "dipole/form_factor/edge.glsl"
 
-// Single form factors at the origin: radial, displaced sources (Table 1, unclamped), and the profile at |a|.
+// Single form factors at the origin: with radial sources, and with displaced ones (Table 1, unclamped); and the profile
+// at |a|.
 READS(queries)
 WRITES(answers)
 
-// chi (form_factor/ladder.rs) below which one sample with its second moment serves. It is within some 2 chi^2 of the
+// chi (form_factor/ladder.rs) below which one sample with its second moment serves. It is within about 2 chi^2 of the
 // exact value, while the edge integrals of such a distant triangle cancel completely, even in sign.
 const float FAR = 1e-3;
 

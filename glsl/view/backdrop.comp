@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The environment, if a pixel's ray hits nothing.
+// Shows the environment where a pixel's ray hits nothing.
 READS(object_params)
 READS(camera)
 READS(hits)

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 
 // Receivers where the pixels of a tile show the object, divided into blocks of nearby ones. One invocation a tile. All
-// but the spheres are decisions. Unrolled, it is so long that lavapipe's compiler takes over a second.
+// but the spheres are decisions. Unrolled, the loops are so long that lavapipe's compiler takes over a second.
 READS(object_params)
 READS(camera)
 READS(hits)

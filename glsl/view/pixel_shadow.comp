@@ -39,7 +39,7 @@ void main() {
     precise vec3 normal = BLEND_AT(weight, placed_normals, corner);
     Light light = pixel_light(rays.light, pixel, normal);
 
-    // Opaque objects are lit here; what others reflect is not the environment's rays.
+    // Opaque objects are lit here by all lights; other objects only reflect them, but not the environment's rays.
     bool opaque = object_params[object].opaque == OPAQUE_BY_PIXEL;
     bool reflects = object_params[object].reflection != REFLECTION_NONE && light.kind != LIGHT_SKY_RAY;
     bool others = OTHERS != 0 && object_params[object].opaque == OPAQUE_NOT;

@@ -1,4 +1,4 @@
-// The direction from the eye through the current sample of a pixel. Its length does not matter, which spares divisions.
+// The direction from the eye through the current sample of a pixel. Any length will do, which spares divisions.
 vec3 ray(uint pixel) {
     uint width = camera[0].width, height = camera[0].height;
     uint column = pixel % width, row = pixel / width;

@@ -4,8 +4,8 @@
 #include "invocation.glsl"
 #include "lighting/fresnel.glsl"
 
-// Equation 3, times `texture_out`: the radiance that leaves the surface towards the eye, from the radiosity between
-// the vertices, or at the very point.
+// Equation 3: the radiance that leaves the surface towards the eye, from the radiosity interpolated between vertices,
+// or that at the very point. Stage `texture_out` multiplies it by the texture.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint PIXELS = 0;
 READS(object_params)

@@ -4,7 +4,7 @@
 struct Surface {
     vec3 point;
     vec3 normal; // interpolated, on the side of the triangle that is seen
-    vec3 toward; // to the eye
+    vec3 toward; // unit direction to the eye
 };
 
 vec3 unit(vec3 v) {

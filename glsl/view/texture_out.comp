@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Light that leaves towards the eye times the texture at the point that is seen.
+// Multiplies the light that leaves towards the eye by the texture at the point that is seen.
 layout(constant_id = 0) const uint OBJECTS = 1;
 READS(object_params)
 READS(camera)

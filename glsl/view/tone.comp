@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Each pixel as it is shown: how many of the thresholds each channel reaches. Decisions only.
+// Each pixel's shown value: how many of the thresholds each channel reaches. Decisions only.
 layout(constant_id = 0) const uint MEAN = 0; // not 0 where there are several samples a pixel
 READS(camera)
 READS(radiance)

@@ -19,8 +19,8 @@ WRITES(hits)
 #include "geometry/shaft.glsl"
 #include "view/ray.glsl"
 
-// Rays differ from the one along `shaft_axis` by `shaft_spread` at most for each unit of way. The dot product of
-// `shaft_forward` and a place seen from the eye is at least the way there.
+// Rays differ from the one along `shaft_axis` by at most `shaft_spread` per unit of distance. The dot product of
+// `shaft_forward` and a place relative to the eye is at least the distance there.
 vec3 shaft_spread, shaft_forward;
 Sight shaft_axis;
 Nearest shaft_end;
@@ -32,7 +32,7 @@ bool in_shaft(vec3 low, vec3 high) {
     return meets(low - spread, high + spread, camera[0].origin, shaft_axis, shaft_end);
 }
 
-// Its face is UNFINISHED where the ray has to go alone.
+// The nearest hit; its face is UNFINISHED where the ray has to go alone.
 Nearest together(vec3 direction) {
     Place self = place_in_team();
     vec3 origin = camera[0].origin;
@@ -61,7 +61,7 @@ Nearest together(vec3 direction) {
             }
         }
         left = left || at < count;
-        // What lies behind all that is found is left out.
+        // Boxes behind the hits of all rays are left out.
         float end = nearest.face == NONE ? NO_BOX : nearest.numerator / nearest.denominator * along;
         shaft_end = Nearest(0, vec3(0), -1.0001 * least(vec3(-end)).x, 1.0);
     }
@@ -76,7 +76,7 @@ void main() {
     uint tile = group * (TEAM_GROUP / TEAM) + lane() / TEAM, mine = lane() % TEAM;
     uvec2 place = uvec2(tile % tiles * across + mine % across, tile / tiles * min(TEAM, 2) + mine / across);
 
-    // All invocations of a team stay: past the edge they look where the last pixel does.
+    // All invocations of a team stay: past the edge they follow the last pixel's ray.
     bool there = place.x < width && place.y < height;
     uint pixel = min(place.y, height - 1) * width + min(place.x, width - 1);
     vec3 direction = ray(pixel);

@@ -1,5 +1,5 @@
-//! The profile and its first two derivatives by half the squared distance, per channel of a group: what links are
-//! made of.
+//! The profile and its first two derivatives by half the squared distance, per channel of a group: links are sums of
+//! these.
 //!
 //! With a = sigma s: `p0 = (1+a) e^-a / s^3`, `p1 = p0'/s = -(3+3a+a^2) e^-a / s^5`,
 //! `p2 = p1'/s = (15+15a+6a^2+a^3) e^-a / s^7`, each summed over both sources times their depths and the strength.
@@ -16,12 +16,12 @@ pub struct ProfileDerivatives {
     pub value: f64,
     /// Its derivative with respect to half the squared distance, 1/length^4.
     pub first: f64,
-    /// The derivative of that, 1/length^6.
+    /// The derivative of `first`, 1/length^6.
     pub second: f64,
 }
 
 impl ProfileDerivatives {
-    /// For a dipole at a squared distance.
+    /// The derivatives of a dipole's profile at a squared distance.
     #[must_use]
     #[inline]
     pub fn of(dipole: &Dipole, d2: f64) -> Self {
@@ -49,7 +49,7 @@ pub struct GroupProfile {
 pub struct ClusterMoments {
     /// W: the sum of area times irradiance.
     pub weight: f64,
-    /// Its centroid.
+    /// The light's centroid.
     pub center: DVec3,
     /// Second moments about the centre per weight: xx, yy, zz; then yz, zx, xy.
     pub moments: [DVec3; 2],
@@ -84,7 +84,7 @@ fn point([x, y, z]: [f32; 3]) -> DVec3 {
 }
 
 impl GroupProfile {
-    /// For the channels whose bits are set in `mask`.
+    /// The profile of the channels whose bits are set in `mask`.
     #[must_use]
     pub fn new(params: &ObjectParams, mask: u32) -> Self {
         let tinted = |c: usize| {

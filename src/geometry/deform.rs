@@ -17,7 +17,7 @@ use crate::state::{Pass, Role, Scope, Serves, Stage, State, Tolerance};
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "deform",
-    about: "vertices twisted, bent, raised by bumps and noise, morphed",
+    about: "vertices that are twisted, bent, raised by bumps and noise, or morphed",
     equation: "twist: turned by rate h about the axis; bend: arc of radius 1 / rate; bump: height (1 - r^2 / R^2)^2; Perlin 2002; morph: weight times the way to the other mesh's vertex",
     writes: &[(BufferId::positions, Role::Update, Tolerance::Exact)],
     reason: "additions, multiplications and comparisons in f32, sine and cosine by a polynomial",
@@ -33,7 +33,7 @@ fn each(f: impl Fn(usize) -> f32) -> [f32; 3] {
     [f(0), f(1), f(2)]
 }
 
-/// sin of an angle in turns, of at most a quarter turn.
+/// Sine of an angle in turns, of at most a quarter turn.
 fn quarter(x: f32) -> f32 {
     let z = x * x;
     let mut sum = SINE[6];
@@ -99,7 +99,7 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
             let inside = above.clamp(0.0, d.extent);
             let beyond = above - inside;
             let [s, c] = turn(d.rate * inside);
-            // How far up the arc and away from the axis. At small curvature by series, because the large radius would
+            // The ways up the arc and away from the axis; at small curvature by series, because the large radius would
             // cancel.
             let phi = 6.283_185_5 * (d.rate * inside);
             let z = phi * phi;
@@ -126,8 +126,8 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
     }
 }
 
-/// The displacement of a vertex to its position in a morph's other mesh, or its place by a skin, of those that begin
-/// with the object's own; 0 for any other deformation.
+/// The displacement of a vertex to its position in a morph's other mesh, or its place by a skin (`skinned` begins with
+/// the object's first vertex); 0 for any other deformation.
 pub fn way(morphs: &[[f32; 3]], skinned: &[[f32; 3]], deform: &Deform, vertex: usize) -> [f32; 3] {
     match deform.kind {
         DEFORM_MORPH => morphs[deform.first as usize + vertex],
@@ -143,7 +143,7 @@ fn cpu(state: &mut State, _at: Scope) {
 /// Deforms the vertices of one object.
 pub fn deform(data: &mut Buffers, object: usize) {
     let params = data.object_params[object];
-    let own = &data.deforms[params.first_deform as usize..(params.first_deform + params.deforms) as usize];
+    let deforms = &data.deforms[params.first_deform as usize..(params.first_deform + params.deforms) as usize];
     // In a state of one object `rest` begins at 0, in one of several objects at the object's first vertex.
     let (first, count) = (params.first_vertex as usize, params.vertices as usize);
     let begin = if data.object_params.len() == 1 { 0 } else { first };
@@ -151,7 +151,7 @@ pub fn deform(data: &mut Buffers, object: usize) {
     let skinned = data.skinned.get(begin..).unwrap_or_default();
     data.positions[first..first + count].par_iter_mut().enumerate().for_each(|(vertex, place)| {
         let way = |deform| way(&data.morphs, skinned, deform, vertex);
-        *place = own.iter().fold(rest[vertex], |p, deform| displace(deform, p, normals[vertex], way(deform)));
+        *place = deforms.iter().fold(rest[vertex], |p, deform| displace(deform, p, normals[vertex], way(deform)));
     });
 }
 

@@ -13,7 +13,7 @@ pub fn inverse(x: f32) -> f32 {
     y
 }
 
-/// Square root, to 2e-7; 0 of numbers below 1e-30.
+/// Square root, to 2e-7; 0 for numbers up to 1e-30.
 #[must_use]
 pub fn root(x: f32) -> f32 {
     let h = 0.5 * x;
@@ -31,7 +31,7 @@ pub fn unit(v: [f32; 3]) -> [f32; 3] {
     v.map(|x| x * by)
 }
 
-/// A vector of nearly unit length made more so.
+/// A vector of nearly unit length, brought nearer to it.
 #[must_use]
 pub fn kept_unit(v: [f32; 3]) -> [f32; 3] {
     let by = 1.5 - 0.5 * dot(v, v);

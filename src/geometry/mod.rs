@@ -14,7 +14,7 @@ pub mod widen;
 use crate::state::stage::{Cpu, Gpu};
 use crate::state::{Carrier, Granularity, Stage, Update};
 
-/// A stage for the shape of each object, run again for another shape; it says what of that is different, and the rest.
+/// Defaults of a stage for the shape of each object, which runs again for another shape.
 const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
     Stage {
         module: "geometry",

@@ -40,7 +40,7 @@ pub struct Ray {
 /// Whether any triangle of `data` blocks the ray.
 pub fn blocked(data: &Buffers, ray: &Ray) -> bool {
     let corners = |face: u32| data.triangles[face as usize].map(|v| data.in_scene()[v as usize]);
-    let own = Plane::new(corners(ray.face));
+    let start = Plane::new(corners(ray.face));
     let face = if ray.light.is_none() { NONE } else { UNFINISHED };
     let sight = Sight::new(ray.direction);
     // The light is at `along / scale`.
@@ -59,7 +59,7 @@ pub fn blocked(data: &Buffers, ray: &Ray) -> bool {
         let plane = Plane::new(points);
         let through = if dot(ray.direction, plane.normal) > 0.0 { 1.0 } else { -1.0 };
         let nearer = ray.light.is_none_or(|light| plane.beyond(light, through));
-        let front = || points.iter().any(|&point| own.beyond(point, ray.side));
+        let front = || points.iter().any(|&point| start.beyond(point, ray.side));
         if found.numerator > 0.0 && nearer && (ray.spared.is_some() || front()) {
             return true;
         }

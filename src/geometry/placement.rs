@@ -1,8 +1,8 @@
 //! Stage `placement`: turns and shifts vertices and normals of an object from its own frame, where light is carried,
-//! into the scene, where lights, rays and the camera are; and the boxes of its tree there. A frame in which every
-//! object lies in the scene as in its own frame does without: what would be written is read from where it is.
+//! into the scene, where lights, rays and the camera are; and computes the boxes of its tree there. The stage is
+//! skipped if every object lies in the scene as in its own frame: later stages then read the originals.
 //!
-//! Rays decide by these places, so they are `f32` additions and multiplications in the order of
+//! Rays decide by these positions, so they are `f32` additions and multiplications in the order of
 //! `glsl/geometry/placed.glsl`.
 
 use rayon::prelude::*;
@@ -44,9 +44,9 @@ pub fn placed(params: &ObjectParams, point: [f32; 3]) -> [f32; 3] {
 fn cpu(state: &mut State, _at: Scope) {
     let data = &mut state.data;
     let params = data.object_params[0];
-    let own = params.first_vertex as usize..(params.first_vertex + params.vertices) as usize;
-    let places: Vec<_> = data.positions[own.clone()].par_iter().map(|&p| placed(&params, p)).collect();
-    data.placed_positions[own].copy_from_slice(&places);
+    let vertices = params.first_vertex as usize..(params.first_vertex + params.vertices) as usize;
+    let places: Vec<_> = data.positions[vertices.clone()].par_iter().map(|&p| placed(&params, p)).collect();
+    data.placed_positions[vertices].copy_from_slice(&places);
     data.placed_normals = data.normals.par_iter().map(|&normal| turned(&params, normal)).collect();
 
     let all = |f: fn(f32, f32) -> f32, [a, b]: [[f32; 3]; 2]| std::array::from_fn(|k| f(a[k], b[k]));

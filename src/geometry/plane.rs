@@ -1,4 +1,4 @@
-//! A triangle's plane, and what is certain about a point's side of it: `f32` additions, multiplications and comparisons
+//! A triangle's plane, and on which side of it a point certainly lies: `f32` additions, multiplications and comparisons
 //! in the order of `glsl/geometry/plane.glsl`.
 //!
 //! For corners a, b, c in `f32` and u = 2^-24: the edges b - a and c - a carry one rounding each (u), the products of
@@ -15,7 +15,7 @@ use crate::layout::PLANE_ROUNDING;
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     corner: [f32; 3],
-    /// Its normal; the length is twice the triangle's area.
+    /// The plane's normal; its length is twice the triangle's area.
     pub normal: [f32; 3],
     size: [f32; 3],
 }

@@ -4,7 +4,7 @@
 use super::deform::turn;
 use super::exact::{inverse, root};
 
-/// Four random numbers of four whole ones: pcg4d of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
+/// Four random integers from four integers: pcg4d of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
 #[must_use]
 pub fn random4(a: u32, b: u32, c: u32, d: u32) -> [u32; 4] {
     let [mut x, mut y, mut z, mut w] = [a, b, c, d].map(|n| n.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
@@ -26,7 +26,7 @@ pub fn unit_random(bits: u32) -> f32 {
     ((bits >> 9) * 2 + 1) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// The direction that has these cosine and azimuth (in turns) about an axis.
+/// The direction with this cosine to an axis and this azimuth (in turns) about it.
 #[must_use]
 pub fn about(axis: [f32; 3], cosine: f32, turns: f32) -> [f32; 3] {
     let s = if axis[2] >= 0.0 { 1.0 } else { -1.0 };

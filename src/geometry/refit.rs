@@ -11,7 +11,7 @@ use crate::layout::{Block, Bounds, BufferId, Buffers, Cluster, NONE, ObjectParam
 use crate::state::{Field, Pass, Role, Rounding, Scope, Size, Stage, State, Tolerance, narrow, wide};
 
 /// Tolerances of clusters: centres relative to the extent, areas and second moments to themselves, vector areas to
-/// the area; and what [`of_clusters`] adds.
+/// the area; [`of_clusters`] adds to them.
 const CLUSTER: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 2e-6, of: "" },
     Field { name: "area", relative: 5e-6, floor: 0.0, of: "" },
@@ -19,7 +19,7 @@ const CLUSTER: &[Field] = &[
     Field { name: "moment_trace", relative: 5e-5, floor: 0.0, of: "" },
 ];
 
-/// Of unit vectors.
+/// Tolerances of vertex normals, which are unit vectors.
 const NORMAL: &[Field] = &[Field { name: "", relative: 1e-5, floor: 1e-5, of: "" }];
 
 /// The rounding of triangles' areas in clusters.
@@ -28,7 +28,7 @@ static IN_CLUSTERS: Rounding = Rounding {
     fields: &["center", "area", "normal", "moment_trace"],
     of: of_clusters,
 };
-/// The same in vertex normals.
+/// The rounding of triangles' areas in vertex normals.
 static IN_NORMALS: Rounding = Rounding { fields: &[""], of: of_normals, ..IN_CLUSTERS };
 
 /// Tolerances of a block's sphere: centre and radius relative to the extent.
@@ -144,7 +144,7 @@ fn cpu(state: &mut State, _at: Scope) {
         .collect();
 }
 
-/// A sum of vector areas vanishes below this share of the areas: what is left is rounding.
+/// A sum of vector areas vanishes below this share of the areas: only rounding is left.
 const VANISHED: f64 = 1e-5;
 
 /// The vector area at a vertex with faces of these vector areas and areas: their sum, or where it vanishes, as between
@@ -152,8 +152,8 @@ const VANISHED: f64 = 1e-5;
 fn vertex_normal(faces: impl Iterator<Item = (DVec3, f64)> + Clone) -> DVec3 {
     let area: f64 = faces.clone().map(|(_, area)| area).sum();
     let sum: DVec3 = faces.clone().map(|(normal, _)| normal).sum();
-    let mut own = faces.filter(|(_, area)| *area > 0.0).map(|(normal, _)| normal);
-    if sum.length() > VANISHED * area { sum } else { own.next().unwrap_or_default() }
+    let mut whole = faces.filter(|(_, area)| *area > 0.0).map(|(normal, _)| normal);
+    if sum.length() > VANISHED * area { sum } else { whole.next().unwrap_or_default() }
 }
 
 /// Mean square distance from the centre over a flat disc of a block's mean area.
@@ -175,7 +175,7 @@ pub fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> S
     Sphere { center: narrow(center), radius: radius as f32, relative_moment: (moment / disc) as f32 }
 }
 
-/// What the rounding of a triangle's area, from its two shorter edges, may be: see the stage's reason.
+/// A bound on the rounding of a triangle's area, from its two shorter edges: see the stage's reason.
 fn rounding(data: &Buffers, face: usize) -> f64 {
     let [a, b, c] = data.triangles[face].map(|vertex| wide(data.positions[vertex as usize]));
     let mut edges = [a.distance(b), b.distance(c), c.distance(a)];
@@ -183,8 +183,8 @@ fn rounding(data: &Buffers, face: usize) -> f64 {
     3.0 * 0.5f64.powi(24) * edges[0] * edges[1]
 }
 
-/// Centre, area, vector area and second moment of every cluster, off by the rounding d of its triangles' areas: of a
-/// sum A with means c and m these are at most, as A may be as small as A - sum d,
+/// Errors of centre, area, vector area and second moment of every cluster by the rounding d of its triangles' areas.
+/// For a sum A with means c and m they are at most, as A may be as small as A - sum d,
 ///   sum d |c_i - c| / (A - sum d),  sum d,  sum d,  and  sum d |m_i + |c_i - c|^2 - m| / (A - sum d).
 fn of_clusters(state: &State) -> Vec<f64> {
     let data = &state.data;
@@ -217,8 +217,8 @@ fn of_clusters(state: &State) -> Vec<f64> {
     allowed
 }
 
-/// Vertex normals, off by the rounding of the areas around them: the direction of a sum by at most twice that over the
-/// sum.
+/// Errors of vertex normals by the rounding of the areas around them: a sum's direction is off by at most twice that
+/// rounding over the sum.
 fn of_normals(state: &State) -> Vec<f64> {
     let data = &state.data;
     let mut allowed = vec![0.0; data.normals.len()];

@@ -12,7 +12,7 @@ use crate::state::{Pass, Role, Scope, Serves, Stage, State, Tolerance};
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "skin",
-    about: "vertices placed by the joints they follow, after morph targets",
+    about: "vertices placed by the joints that they follow, after morph targets",
     equation: "linear blend: sum of weight times matrix times (base + sum of weight times target), glTF 2.0, 3.7.3",
     writes: &[(BufferId::skinned, Role::Output, Tolerance::Exact)],
     reason: "additions and multiplications in f32",
@@ -20,8 +20,7 @@ pub static STAGE: Stage = Stage {
     ..super::stage(cpu, gpu)
 };
 
-/// Where the joints place the vertex whose record is number `at` of `skin_vertices`; it is the object's own number
-/// `vertex`.
+/// Where the joints place vertex number `vertex` of the object, whose record is number `at` of `skin_vertices`.
 fn place(data: &Buffers, params: &ObjectParams, at: usize, vertex: usize) -> [f32; 3] {
     let record = data.skin_vertices[at];
     let mut p = record.base;
@@ -54,8 +53,8 @@ pub fn skin(data: &mut Buffers, object: usize) {
     // In a state of one object buffers of vertices begin at 0, in one of several objects at the object's first vertex.
     let begin = if data.object_params.len() == 1 { 0 } else { params.first_vertex as usize };
     let mut skinned = std::mem::take(&mut data.skinned);
-    let own = &mut skinned[begin..begin + params.vertices as usize];
-    own.par_iter_mut().enumerate().for_each(|(vertex, p)| *p = place(data, &params, begin + vertex, vertex));
+    let vertices = &mut skinned[begin..begin + params.vertices as usize];
+    vertices.par_iter_mut().enumerate().for_each(|(vertex, p)| *p = place(data, &params, begin + vertex, vertex));
     data.skinned = skinned;
 }
 

@@ -44,7 +44,7 @@ pub(crate) struct Sight {
 }
 
 impl Sight {
-    /// For a ray along `direction`, of any length.
+    /// The sight of a ray along `direction`, of any length.
     pub fn new(direction: [f32; 3]) -> Self {
         let m = direction.map(f32::abs);
         let largest = m[0].max(m[1].max(m[2]));

@@ -3,7 +3,7 @@
 //!
 //! Rays of neighbouring faces or pixels go together, a team of up to eight: `glsl/geometry/shaft.glsl`. The reference
 //! follows each ray by itself, through the binary tree. The triangles that a ray is tested against differ, but never
-//! the outcome: what a ray meets lies in boxes that it meets.
+//! the outcome: triangles that a ray meets lie in boxes that it meets.
 
 use rayon::prelude::*;
 
@@ -27,11 +27,11 @@ pub static STAGE: Stage = Stage {
 
 fn cpu(state: &mut State, _at: Scope) {
     let boxes = state.data.bounds_in_scene();
-    let of = |&[node, next]: &[u32; 2]| match boxes.get(node as usize).filter(|_| node != NONE) {
-        Some(own) => Bounds { next, ..*own },
+    let child = |&[node, next]: &[u32; 2]| match boxes.get(node as usize).filter(|_| node != NONE) {
+        Some(bounds) => Bounds { next, ..*bounds },
         None => Bounds { low: [NO_BOX; 3], next: 0, high: [-NO_BOX; 3], face: 0 },
     };
-    let wide = state.data.wide_links.par_iter().map(of).collect();
+    let wide = state.data.wide_links.par_iter().map(child).collect();
     state.data.wide_boxes = wide;
 }
 
@@ -40,7 +40,8 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     pass.dispatch(None, &[], bytemuck::bytes_of(&Range { first: 0, count: count as u32 }), count)
 }
 
-/// Rays that go together: as many as share a subgroup, up to the children of a wide node; 1 where each goes alone.
+/// The number of rays that go together: as many as share a subgroup, up to the children of a wide node; 1 if each ray
+/// goes alone.
 pub fn team(subgroup: usize) -> u32 {
     let most = subgroup.min(WIDE);
     if most < LEAST_TEAM { 1 } else { 1 << most.ilog2() }

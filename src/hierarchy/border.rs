@@ -1,21 +1,22 @@
 //! The borders of clusters: the directed edges of a cluster's triangles without those that two of them share in
 //! opposite directions.
 //!
-//! Over a surface without holes a border is the closed curve around the cluster; the border of a closed surface is
-//! empty. It depends on the triangles' indices alone and stays as the shape changes.
+//! On a surface without holes a border is the closed curve around the cluster; the border of a closed surface is
+//! empty. Borders depend on the triangles' indices alone and stay as the shape changes.
 
 use super::Tree;
 
 /// The borders of a tree's inner nodes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Borders {
-    /// For each node its first edge and their number; 0 at leaves, for closed surfaces and for borders too long.
+    /// For each node its first edge and the number of its edges; 0 at leaves, for closed surfaces and for borders that
+    /// are too long.
     pub runs: Vec<[u32; 2]>,
     /// The edges: two vertices, the cluster on the left.
     pub edges: Vec<[u32; 2]>,
 }
 
-/// An edge from its lower to its higher vertex, and how often it is walked that way: less the times it is walked back.
+/// An edge from its lower to its higher vertex, and how often it is walked that way, less how often it is walked back.
 type Walked = ([u32; 2], i32);
 
 /// The borders of a tree over `triangles`, which are in the order of its leaves; borders of more than `most` edges are
@@ -25,7 +26,7 @@ pub fn borders(tree: &Tree, triangles: &[[u32; 3]], most: usize) -> Borders {
     let mut runs = vec![[0; 2]; tree.nodes()];
     let mut edges = Vec::new();
     let mut face = triangles.len();
-    // Backwards, both children of a node come before it, and lie on the stack.
+    // Backwards, both children of a node come before it, and their borders lie on the stack.
     let mut stack: Vec<Vec<Walked>> = Vec::new();
     for node in (0..tree.nodes()).rev() {
         if tree.is_leaf(node) {
@@ -58,7 +59,7 @@ fn around([a, b, c]: [u32; 3]) -> Vec<Walked> {
     edges
 }
 
-/// The edges of both, in order, without those that cancel.
+/// The edges of two clusters, in order, without those that cancel.
 fn merged(left: &[Walked], right: &[Walked]) -> Vec<Walked> {
     let mut all = Vec::with_capacity(left.len() + right.len());
     let (mut i, mut j) = (0, 0);

@@ -8,22 +8,22 @@ use super::Tree;
 
 /// Smaller clusters are ignored: emitter lists hold larger clusters or single triangles.
 const FEWEST: usize = 16;
-/// A cluster with fewer triangles in a sample is ignored: its size would be too uncertain.
+/// A cluster with fewer triangles in a sample is ignored: its radius would be too uncertain.
 const FEWEST_TAKEN: usize = 4;
 
 /// Some of a tree's triangles, evenly spread over its leaves, with the clusters that join them.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// The triangles.
+    /// The triangles, in the order in which `relative_radius` takes their corners.
     pub faces: Vec<u32>,
-    /// The fewest of them that a cluster must have to count.
+    /// The fewest of these triangles that a cluster must have to count.
     fewest: usize,
     /// How clusters are put together, children first: true adds the next triangle, false joins the last two clusters.
     steps: Vec<bool>,
 }
 
 impl Sample {
-    /// At most `most` of the tree's triangles.
+    /// A sample of at most `most` of the tree's triangles.
     #[must_use]
     pub fn of(tree: &Tree, most: usize) -> Self {
         let step = tree.nodes().div_ceil(2).div_ceil(most.max(1)).max(1);
@@ -51,7 +51,7 @@ impl Sample {
 
     /// The mean ratio of a cluster's root-mean-square radius to that of a flat disc of equal area, over all clusters
     /// of at least 16 triangles but the root: about 1 for round flat patches, more for elongated or folded
-    /// ones. 1 if there is no such cluster. `corners` are those of each of the triangles.
+    /// ones. 1 if there is no such cluster. `corners` are those of each triangle in `faces`.
     pub fn relative_radius(&self, mut corners: impl Iterator<Item = [DVec3; 3]>) -> f64 {
         /// Number of triangles, area, centroid, mean squared distance from the centroid.
         type Sums = (usize, f64, DVec3, f64);
@@ -81,7 +81,7 @@ impl Sample {
     }
 }
 
-/// The same over all triangles of a tree.
+/// [`Sample::relative_radius`] over all triangles of a tree.
 #[must_use]
 pub fn relative_radius(tree: &Tree, positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     let all = Sample::of(tree, usize::MAX);

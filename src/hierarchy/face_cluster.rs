@@ -110,7 +110,7 @@ impl Merging {
         Some(self)
     }
 
-    /// Area and centroid.
+    /// A cluster's area and centroid.
     fn weight(&self, id: u32) -> (f64, DVec3) {
         (self.area[id as usize], self.outline.centroid[id as usize])
     }

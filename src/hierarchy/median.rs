@@ -1,4 +1,4 @@
-//! The median-split tree: faces are halved at the median centroid along the longest axis, until one is left.
+//! The median-split tree: faces are halved at the median centroid along the longest axis, down to single faces.
 //!
 //! It needs no connectivity and is balanced. Section 5.1 of Mertens et al. 2003 leaves the choice of clusters open;
 //! this tree is the default of scheme `blocks`, and the fallback of `face_cluster`.

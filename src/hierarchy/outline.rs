@@ -15,7 +15,7 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Faces only, nothing merged yet.
+    /// An outline of faces only, with nothing merged yet.
     pub fn new(centroid: Vec<DVec3>) -> Self {
         let faces = centroid.len();
         Self { faces, parts: Vec::with_capacity(faces.saturating_sub(1)), centroid }
@@ -49,13 +49,13 @@ impl Outline {
             let mut open = Vec::new();
             for &(start, end) in cuts[level.clone()].iter().filter(|(start, end)| end - start > 1) {
                 let (_, from) = std::mem::take(&mut rest).split_at_mut(start - first);
-                let (own, after) = from.split_at_mut(end - start);
-                open.push((start, own));
+                let (range, after) = from.split_at_mut(end - start);
+                open.push((start, range));
                 (rest, first) = (after, end);
             }
-            let halves = open.into_par_iter().with_min_len(16).flat_map_iter(|(start, own)| {
-                let end = start + own.len();
-                let middle = start + self.halve(own, block);
+            let halves = open.into_par_iter().with_min_len(16).flat_map_iter(|(start, range)| {
+                let end = start + range.len();
+                let middle = start + self.halve(range, block);
                 [(start, middle), (middle, end)]
             });
             let halves: Vec<_> = halves.collect();

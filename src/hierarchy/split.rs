@@ -53,12 +53,12 @@ impl Forest<'_> {
     /// The next triangle that was split `times` times, or the cluster of its parts if it was split further: cluster id
     /// and corners. `None` if `splits` is inconsistent.
     fn cluster(&mut self, times: u8) -> Option<(u32, [u32; 3])> {
-        let own = *self.splits.get(self.next)?;
-        if own == times {
+        let found = *self.splits.get(self.next)?;
+        if found == times {
             self.next += 1;
             return Some((self.next as u32 - 1, *self.triangles.get(self.next - 1)?));
         }
-        if own < times {
+        if found < times {
             return None;
         }
         let [a, b, c, middle] = [0; 4].map(|_| self.cluster(times + 1));

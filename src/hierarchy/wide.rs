@@ -1,8 +1,8 @@
 //! The tree with up to eight children a node, for rays: eight boxes are loaded and tested at once.
 //!
 //! Nodes of the binary tree are left out where their parent has room for their children. From the leaves up, a node
-//! stays a part of its parent as long as its own parts fit; where they do not, the child with the more parts becomes a
-//! wide node. So nearly all wide nodes are full, and those that are not are at the top.
+//! stays a part of its parent as long as its own parts fit; where they do not, the child with more parts becomes a wide
+//! node. So nearly all wide nodes are full, and those that are not are at the top.
 
 use std::cmp::Reverse;
 
@@ -11,9 +11,9 @@ use super::Tree;
 /// A child of a wide node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Child {
-    /// Its node in the binary tree.
+    /// The child's node in the binary tree.
     pub node: u32,
-    /// Its wide node, where it has children.
+    /// The child's wide node, if it has children.
     pub wide: Option<u32>,
 }
 
@@ -28,7 +28,7 @@ pub type WideTree = Vec<Vec<Child>>;
 /// only child of the root. An empty tree has none.
 #[must_use]
 pub fn widen(tree: &Tree, most: usize) -> WideTree {
-    // The parts that each node has as a part of its parent: 1 where it is a wide node or a leaf.
+    // The number of places that each node takes in its parent: 1 if it is a wide node or a leaf.
     let mut parts = vec![1usize; tree.nodes()];
     for node in (0..tree.nodes()).rev() {
         let Some([left, right]) = tree.children(node) else { continue };

@@ -9,8 +9,8 @@ use crate::scene::Phase;
 /// Phase function: share of light scattered per steradian. `cosine` is between the directions *towards* the light and
 /// *towards* the eye, so that light which continues straight on has -1. A `g` above 0 scatters forward.
 ///
-/// Schlick's k (equation of section 3), or the mean cosine of Henyey and Greenstein. Integrates to 1 over all
-/// directions.
+/// `g` is Schlick's k (equation of section 3), or the mean cosine of Henyey and Greenstein. The integral over all
+/// directions is 1.
 #[must_use]
 pub fn phase(henyey: bool, g: f64, cosine: f64) -> f64 {
     let base = if henyey { 1.0 + g * g + 2.0 * g * cosine } else { 1.0 + g * cosine };
@@ -59,7 +59,7 @@ pub fn segment(a: f64, b: f64, from: f64, to: f64) -> f64 {
 }
 
 /// Optical depth from the surface down to `depth`, divided by the cosine of the crossing. `depths` are those of the
-/// interfaces; the last layer continues below its own (equations 11 and 12, clamped).
+/// layers' interfaces; the last layer continues below its interface (equations 11 and 12, clamped).
 #[must_use]
 pub fn optical_depth(sigma_t: &[DVec3], depths: impl Fn(usize) -> f64, depth: f64, cosine: f64) -> DVec3 {
     let (mut sum, mut before) = (DVec3::ZERO, 0.0);

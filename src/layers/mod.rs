@@ -1,7 +1,7 @@
 //! Single scattering beneath a surface: in layers, by subsurface texture mapping (Francois et al. 2006), and in the
 //! medium of an object.
 //!
-//! Errors of the paper are corrected to what it means: signs, clamps, normalised normals and dual texture axes.
+//! Errors of the paper's formulas are corrected: signs, clamps, normalised normals and dual texture axes.
 
 pub mod beneath;
 pub mod islands;
@@ -13,7 +13,7 @@ pub mod slab;
 use crate::state::stage::{Cpu, Gpu};
 use crate::state::{Carrier, Need, Serves, Stage, Update};
 
-/// A stage for layers, which adds to the picture; it says what of that is different, and the rest.
+/// Defaults of a stage for layers, which adds to the picture.
 const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
     Stage {
         module: "layers",

@@ -26,8 +26,8 @@ pub static STAGE: Stage = Stage {
         (BufferId::planes, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-4 }),
         (BufferId::cut_short, Role::Update, Tolerance::Exact),
     ],
-    reason: "centroids are sums of places that are rounded to 6e-8 each; an axis turns by the moments' rounding, 1e-7, over \
-             their difference, 0.005 of the largest at least",
+    reason: "centroids are sums of positions, each rounded to 6e-8; an axis turns by the moments' rounding, 1e-7, over \
+             their difference, at least 0.005 of the largest",
     granularity: Granularity::Object,
     runs: Update::shape,
     ..super::stage(cpu, gpu)
@@ -192,7 +192,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
 mod tests {
     use super::*;
 
-    fn of(points: &[DVec3]) -> Sums {
+    fn sums_of(points: &[DVec3]) -> Sums {
         points.iter().fold(Sums::NONE, |sum, &p| sum.and(Sums::point(p)))
     }
 
@@ -205,17 +205,17 @@ mod tests {
 
     #[test]
     fn a_plane_is_found() {
-        let (normal, height) = plane(&of(&grid(|x, y| 0.3 * x - 0.2 * y - 0.05)), DVec3::Z);
+        let (normal, height) = plane(&sums_of(&grid(|x, y| 0.3 * x - 0.2 * y - 0.05)), DVec3::Z);
         let expected = DVec3::new(-0.3, 0.2, 1.0).normalize();
         assert!((normal - expected).length() < 1e-9, "{normal}");
         // The height is measured along the plane's normal: 0.05 below, times the cosine.
         assert!((height + 0.05 * expected.z).abs() < 1e-9, "{height}");
-        assert_eq!(plane(&of(&grid(|_, _| 0.0)), -DVec3::Z).0, -DVec3::Z);
+        assert_eq!(plane(&sums_of(&grid(|_, _| 0.0)), -DVec3::Z).0, -DVec3::Z);
     }
 
     #[test]
     fn on_a_hill_it_lies_below_the_top() {
-        let (normal, height) = plane(&of(&grid(|x, y| -0.2 * (x * x + y * y))), DVec3::Z);
+        let (normal, height) = plane(&sums_of(&grid(|x, y| -0.2 * (x * x + y * y))), DVec3::Z);
         // The mean of -0.2 (x^2 + y^2) over the grid: -0.4 * 0.1.
         assert!((normal - DVec3::Z).length() < 1e-9 && (height + 0.04).abs() < 1e-9, "{normal} {height}");
     }
@@ -223,21 +223,21 @@ mod tests {
     #[test]
     fn where_vertices_tell_no_plane_it_is_the_tangent_one() {
         let tangent = (DVec3::Z, 0.0);
-        assert_eq!(plane(&of(&[DVec3::X, DVec3::Y]), DVec3::Z), tangent);
-        assert_eq!(plane(&of(&[DVec3::X, DVec3::X, DVec3::X]), DVec3::Z), tangent);
+        assert_eq!(plane(&sums_of(&[DVec3::X, DVec3::Y]), DVec3::Z), tangent);
+        assert_eq!(plane(&sums_of(&[DVec3::X, DVec3::X, DVec3::X]), DVec3::Z), tangent);
         let line: Vec<DVec3> = (0..9).map(|i| DVec3::new(f64::from(i), 0.0, 0.1 * f64::from(i % 2))).collect();
-        assert_eq!(plane(&of(&line), DVec3::Z), tangent);
+        assert_eq!(plane(&sums_of(&line), DVec3::Z), tangent);
         let corners = [1.0, -1.0].map(|x| [1.0, -1.0].map(|y| [1.0, -1.0].map(|z| DVec3::new(x, y, z))));
         let cube: Vec<DVec3> = corners.into_iter().flatten().flatten().collect();
-        assert_eq!(plane(&of(&cube), DVec3::Z), tangent);
-        assert_eq!(plane(&of(&grid(|_, _| 0.0)), DVec3::X), (DVec3::X, 0.0));
+        assert_eq!(plane(&sums_of(&cube), DVec3::Z), tangent);
+        assert_eq!(plane(&sums_of(&grid(|_, _| 0.0)), DVec3::X), (DVec3::X, 0.0));
     }
 
     #[test]
     fn sums_from_elsewhere_are_those_of_the_points_seen_from_there() {
         let (points, place) = (grid(|x, y| x * y + 0.1), DVec3::new(3.0, -1.0, 0.5));
         let moved: Vec<DVec3> = points.iter().map(|p| *p - place).collect();
-        let (a, b) = (of(&points).from(place), of(&moved));
+        let (a, b) = (sums_of(&points).from(place), sums_of(&moved));
         assert_eq!(a.count, b.count);
         assert!((a.first - b.first).length() < 1e-9);
         assert!((a.second - b.second).to_cols_array().iter().all(|x| x.abs() < 1e-9));

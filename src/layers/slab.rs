@@ -78,8 +78,8 @@ const GAUSS: [[f64; 2]; 10] = [
     [0.993_128_599_185_094_9, 0.017_614_007_139_152_118],
 ];
 
-/// The integral of `f` from `low` to `high`, in equal parts of at most `scale` up to a depth of 3000 of them, and one
-/// part for the rest. Light from deeper than 700 mean free paths is negligible.
+/// The integral of `f` from `low` to `high`: at most 3000 equal parts, of at most `scale` each, and one part for the
+/// rest. Light from deeper than 700 mean free paths is negligible.
 fn integral(f: impl Fn(f64) -> f64, low: f64, high: f64, scale: f64) -> f64 {
     let (mut sum, mut from) = (0.0, low);
     let end = high.min(low + 3000.0 * scale);

@@ -1,13 +1,13 @@
-//! What a smooth boundary is to diffusion inside: the extrapolation factor A and the mean cosine of light that enters.
+//! A smooth boundary as diffusion inside sees it: the extrapolation factor A and the mean cosine of light that enters.
 
 use super::fresnel::transmittance;
 
-/// Midpoints of the integrals; the integrands are smooth but for the critical angle.
+/// The number of midpoints of each integral; the integrands are smooth but for the critical angle.
 const POINTS: usize = 4000;
 
 /// The mean of a function over (0, 1).
-fn mean(of: impl Fn(f64) -> f64) -> f64 {
-    (0..POINTS).map(|k| of((k as f64 + 0.5) / POINTS as f64)).sum::<f64>() / POINTS as f64
+fn mean(f: impl Fn(f64) -> f64) -> f64 {
+    (0..POINTS).map(|k| f((k as f64 + 0.5) / POINTS as f64)).sum::<f64>() / POINTS as f64
 }
 
 /// A = (1 + 3 C2) / (1 - 2 C1), with C1 and C2 the integrals of the reflectance from within times mu and mu squared;
@@ -38,10 +38,10 @@ mod tests {
         // By adaptive quadrature in many digits.
         assert!((extrapolation(1.5) - 3.627_93).abs() < 2e-4, "{}", extrapolation(1.5));
         assert!((mean_inner_cosine(1.5) - 0.884_54).abs() < 2e-5, "{}", mean_inner_cosine(1.5));
-        // Without a boundary: all passes, and the mean cosine of light from all around is 2/3.
+        // Without a boundary all light passes, and the mean cosine of light from all around is 2/3.
         assert_eq!(extrapolation(1.0), 1.0);
         assert!((mean_inner_cosine(1.0) - 2.0 / 3.0).abs() < 1e-6);
-        // More is held back the denser the medium is, and some of it where it is thinner than air.
+        // The denser the medium, the more light is held back; some is where the medium is thinner than air, too.
         let rising: Vec<f64> = [1.0, 1.2, 1.5, 2.0, 2.5].map(extrapolation).into();
         assert!(rising.windows(2).all(|pair| pair[0] < pair[1]) && extrapolation(0.8) > 1.0, "{rising:?}");
     }

@@ -17,7 +17,7 @@ pub static STAGE: Stage = Stage {
     about: "nine spherical-harmonic coefficients of the environment: sums over its image",
     equation: "Mertens et al. 2003, section 5.3; Ramamoorthi and Hanrahan 2001, equations 3 and 10",
     writes: &[(BufferId::harmonics, Role::Output, Tolerance::Float { relative: 2e-5, floor: 5e-6 })],
-    reason: "sums of 64 terms, three or four on top of each other, 64 x 2^-24 = 4e-6 each at worst; terms of either sign cancel",
+    reason: "sums of 64 terms, nested three or four deep, 64 x 2^-24 = 4e-6 each at worst; terms of either sign cancel",
     sizes: &[(BufferId::harmonics, Size::Elements(|state| elements(state.data.object_params[0].sky)))],
     granularity: Granularity::Scene,
     serves: Serves::ALL,
@@ -25,8 +25,7 @@ pub static STAGE: Stage = Stage {
     ..super::stage(cpu, gpu)
 };
 
-/// Sizes of the levels of the reduction: the number of blocks of pixels, of blocks of their sums, and so on down to
-/// one.
+/// Sizes of the levels of the reduction: the number of blocks of pixels, of blocks of their sums, and so on to one.
 fn levels([width, height]: [u32; 2]) -> Vec<usize> {
     let mut levels = vec![height as usize * (width as usize).div_ceil(SKY_BLOCK)];
     while let Some(&last) = levels.last().filter(|&&last| last > 1) {

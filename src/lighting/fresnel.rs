@@ -59,9 +59,8 @@ pub fn diffuse_external_exact(eta: f64) -> f64 {
     }
 }
 
-/// `1 / (1 - F_ext)`, at least 1: the factor that light leaving the object lacks where each direction gets only its
-/// transmittance of it, because the directional transmittances average to `1 - F_ext`. `eta`: index inside over
-/// outside, positive.
+/// `1 / (1 - F_ext)`, at least 1: the factor that leaving light lacks if each direction gets its transmittance of it,
+/// because the directional transmittances average to `1 - F_ext`. `eta`: index inside over outside, positive.
 #[must_use]
 pub fn exit(eta: f64) -> f64 {
     1.0 / (1.0 - diffuse_external_exact(eta))

@@ -56,19 +56,20 @@ pub fn arrival(light: &Light, point: DVec3) -> (DVec3, f64) {
     (toward, falloff)
 }
 
-/// Whether a light reaches a face, according to its bits of shadow.
+/// Whether a light reaches a face, according to the face's shadow bits.
 #[must_use]
 pub fn reaches(data: &Buffers, light: &Light, face: usize) -> bool {
     bit(&data.lit, data.object_params[0].shadow_words, light, face)
 }
 
-/// The same for the surface that a pixel shows, according to its own bits.
+/// Whether a light reaches the surface that a pixel shows, according to the pixel's shadow bits.
 #[must_use]
 pub fn reaches_pixel(data: &Buffers, light: &Light, pixel: usize) -> bool {
     bit(&data.pixel_lit, data.camera[0].shadow_words, light, pixel)
 }
 
-/// The same for any such bits, `words` per element; a light that casts no shadows always reaches.
+/// Whether a light reaches element `index` of these shadow bits, `words` per element; a light that casts no shadows
+/// always does.
 fn bit(bits: &[u32], words: u32, light: &Light, index: usize) -> bool {
     let bit = |bit: u32| bits[index * words as usize + bit as usize / 32] >> (bit % 32) & 1;
     light.shadow == NONE || bit(light.shadow) == 1
@@ -83,7 +84,7 @@ pub enum SkyRays {
     ByCosine,
 }
 
-/// E of equation 5 at a point with a unit normal (`place`), from those of the `lights` that reach it and the
+/// E of equation 5 at a point with a unit normal, both in `place`, from those of the `lights` that reach it and the
 /// environment.
 pub fn entering(
     data: &Buffers,

@@ -10,14 +10,14 @@ use crate::geometry::trace::{cross, minus};
 use crate::layout::LEAST_SEEN;
 use crate::state::wide;
 
-/// The cosine at a point of a triangle with these corners; `normal` is the interpolated one, `eye` the way to the eye,
-/// both of any length. 0 where no normal is.
+/// The cosine at a point of a triangle with these corners; `normal` is the interpolated one, `eye` the vector to the
+/// eye, both of any length. 0 where the normal is 0.
 #[must_use]
 pub fn seen_cosine(normal: DVec3, eye: DVec3, [a, b, c]: [[f32; 3]; 3]) -> f64 {
     let eye = eye.normalize_or_zero();
     let plain = wide(cross(minus(b, a), minus(c, a))).normalize_or_zero();
-    let own = normal.normalize_or_zero().dot(eye).abs();
-    if normal == DVec3::ZERO { 0.0 } else { own.max(plain.dot(eye).abs().min(LEAST_SEEN.into())) }
+    let smooth = normal.normalize_or_zero().dot(eye).abs();
+    if normal == DVec3::ZERO { 0.0 } else { smooth.max(plain.dot(eye).abs().min(LEAST_SEEN.into())) }
 }
 
 #[cfg(test)]

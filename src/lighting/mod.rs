@@ -16,7 +16,7 @@ pub mod texture_in;
 use crate::state::stage::{Cpu, Gpu};
 use crate::state::{Carrier, Granularity, Need, Serves, Stage, Update};
 
-/// A stage for light that enters faces, run again for other light; it says what of that is different, and the rest.
+/// Defaults of a stage for light that enters faces, which runs again for other light.
 const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
     Stage {
         module: "lighting",

@@ -3,8 +3,8 @@
 //! An area is seen at points, an environment along rays, that follow a sequence which fills the unit square evenly: R2,
 //! whose steps are powers of the plastic number. It is shifted for each pixel by random numbers (Cranley and Patterson
 //! 1976), so errors of neighbours have nothing in common: no bands, only grain, which further samples reduce. Rays to
-//! the environment are distributed by the cosine about the surface's normal. All is found in `f32`, with the same bits
-//! on every device, since shadows are decided by it.
+//! the environment are distributed by the cosine about the surface's normal. All arithmetic is in `f32`, with the same
+//! bits on every device, since shadows are decided by it.
 
 use crate::geometry::exact::{root, unit};
 use crate::geometry::random::{about, random4, unit_random};

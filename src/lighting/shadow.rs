@@ -58,8 +58,8 @@ fn cpu(state: &mut State, _at: Scope) {
     let mut lit = data.lit.clone();
     for object in state.objects.iter().filter(|object| object.lit_by_face()) {
         let first = object.first.faces;
-        let own = &mut lit[words * first..words * (first + object.count.faces)];
-        own.par_chunks_mut(words.max(1)).enumerate().for_each(|(face, bits)| of_face(first + face, bits));
+        let part = &mut lit[words * first..words * (first + object.count.faces)];
+        part.par_chunks_mut(words.max(1)).enumerate().for_each(|(face, bits)| of_face(first + face, bits));
     }
     state.data.lit = lit;
 }
@@ -89,8 +89,8 @@ fn ray(state: &State, face: u32, origin: [f32; 3], light: &Light) -> Option<Ray>
         let first = object.first.faces as u32;
         first..first + object.count.faces as u32
     });
-    let own = Plane::new(data.triangles[face as usize].map(|v| data.in_scene()[v as usize]));
-    let facing = dot(direction, own.normal);
+    let plane = Plane::new(data.triangles[face as usize].map(|v| data.in_scene()[v as usize]));
+    let facing = dot(direction, plane.normal);
     let along = -dot(direction, light.axis);
     let cosine = 1.0 - light.outer;
     let shines = match light.kind {
@@ -105,7 +105,7 @@ fn ray(state: &State, face: u32, origin: [f32; 3], light: &Light) -> Option<Ray>
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let lights = &pass.state.data.lights;
-    // On a GPU each ray goes alone, which took 0.6 of the time (H200, a bunny of 69,451 faces).
+    // On a GPU each ray goes alone, which took 0.6 of the time of teams (H200, a bunny of 69,451 faces).
     let width = pass.width();
     let team = if width.processor { team(width.subgroup) } else { 1 };
     let objects = pass.state.objects.iter().enumerate();

@@ -39,15 +39,15 @@ pub fn factor(params: &ObjectParams, texels: &[[f32; 3]], place: DVec2) -> DVec3
     look(texels, params.texture_first, params.texture_size, params.texture_wrap, place)
 }
 
-/// The same for a texture of this first texel, size and wrap modes.
+/// Factors at a point of the texture that has this first texel, size and wrap modes.
 #[must_use]
 pub fn look(texels: &[[f32; 3]], first: u32, [width, height]: [u32; 2], wrap: [u32; 2], place: DVec2) -> DVec3 {
     let at = place * DVec2::new(width.into(), height.into()) - 0.5;
     let (left, top) = (at.x.floor(), at.y.floor());
     let row = |row: i64| {
         let first = first + texel(row, height, wrap[1]) * width;
-        let of = |column: i64| wide(texels[(first + texel(column, width, wrap[0])) as usize]);
-        of(left as i64).lerp(of(left as i64 + 1), at.x - left)
+        let value = |column: i64| wide(texels[(first + texel(column, width, wrap[0])) as usize]);
+        value(left as i64).lerp(value(left as i64 + 1), at.x - left)
     };
     row(top as i64).lerp(row(top as i64 + 1), at.y - top)
 }

@@ -1,8 +1,8 @@
 //! Stage `texture_in`: multiplies the light that enters a face by the texture's mean over the face.
 //!
 //! The mean is taken over the centroids of n x n equal triangles that the face is cut into, where n is the longest
-//! extent of an edge along either axis of the texture, in texels, from 1 to [`TEXTURE_PARTS`]. Faces longer than that
-//! are sampled: not every texel counts.
+//! extent of an edge along either axis of the texture, in texels, from 1 to [`TEXTURE_PARTS`]. Longer faces are only
+//! sampled: not every texel counts.
 
 use rayon::prelude::*;
 
@@ -17,12 +17,12 @@ pub static STAGE: Stage = Stage {
     about: "irradiance of each face times the texture's mean over it",
     equation: "d'Eon et al. 2007, pre-scatter texturing",
     writes: &[(BufferId::irradiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
-    reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
+    reason: "a place in the texture is off by about 1e-7, times its texels per unit and their contrast",
     skip: |state| untextured(state, TEXTURE_ENTERS),
     ..super::stage(cpu, gpu)
 };
 
-/// Parts along an edge; decided in `f32` both here and in the shader.
+/// The number of parts along an edge; decided in `f32` both here and in the shader.
 fn parts(uvs: &CornerUvs, size: [u32; 2]) -> u32 {
     let along = |axis: usize| {
         let edge = |p: [f32; 2], q: [f32; 2]| (q[axis] - p[axis]).abs() * size[axis] as f32;
@@ -34,7 +34,7 @@ fn parts(uvs: &CornerUvs, size: [u32; 2]) -> u32 {
 /// Weights of the second and third corner at the centroid of part `k` of n x n.
 fn part(k: u32, n: u32) -> (f64, f64) {
     let (i, j) = (k / n, k % n);
-    // Beyond the diagonal lie the parts that are upside down, counted from the far corner.
+    // Parts that are upside down lie beyond the diagonal, and are counted from the far corner.
     let (i, j, third) = if i + j < n { (i, j, 1.0 / 3.0) } else { (n - 1 - i, n - 1 - j, 2.0 / 3.0) };
     ((f64::from(i) + third) / f64::from(n), (f64::from(j) + third) / f64::from(n))
 }
@@ -70,7 +70,7 @@ mod tests {
         for n in [1, 2, 5, TEXTURE_PARTS] {
             let places: Vec<_> = (0..n * n).map(|k| part(k, n)).collect();
             assert!(places.iter().all(|&(u, v)| u > 0.0 && v > 0.0 && u + v < 1.0));
-            let mean = |of: fn(&(f64, f64)) -> f64| places.iter().map(of).sum::<f64>() / f64::from(n * n);
+            let mean = |weight: fn(&(f64, f64)) -> f64| places.iter().map(weight).sum::<f64>() / f64::from(n * n);
             assert!((mean(|p| p.0) - 1.0 / 3.0).abs() < 1e-12 && (mean(|p| p.1) - 1.0 / 3.0).abs() < 1e-12);
             let mut seen: Vec<_> = places.iter().map(|&(u, v)| ((u * 3e3) as u32, (v * 3e3) as u32)).collect();
             seen.sort_unstable();

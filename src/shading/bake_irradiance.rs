@@ -24,7 +24,7 @@ pub static STAGE: Stage = Stage {
         (BufferId::irradiance_maps, Role::Update, Tolerance::Float { relative: 2e-5, floor: 1e-5 }),
         (BufferId::stretch, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),
     ],
-    reason: "sums of products; a cosine cancels where light grazes, and edges of texture coordinates do where those are large",
+    reason: "sums of products; a cosine cancels where light grazes, and edges do where texture coordinates are large",
     sizes: &[
         (BufferId::irradiance_maps, Size::Elements(|state| (1 + GAUSSIANS) * state.data.texel_hits.len())),
         (BufferId::stretch, Size::Elements(|state| state.data.texel_hits.len())),

@@ -2,9 +2,9 @@
 //!
 //! Each Gaussian blurs the result of the one before, by the difference of their variances. At a texel that spans the
 //! length s, a standard deviation of w is w / s texels: the stretch correction of d'Eon et al. 2007. The tap stride
-//! is p texels, a power of two of at least w / (8 s), but at most about 1/32 of a row; taps reach out to 6 w or more.
-//! Texels that show no surface are skipped, and the sum is divided by the sum of weights, so that uniform light is
-//! preserved, also at borders.
+//! is p texels, a power of two of at least w / (8 s), but below 1/16 of a row; taps reach out to 6 w or more, at most
+//! 48 on either side. Texels that show no surface are skipped, and the sum is divided by the sum of weights, so that
+//! uniform light is preserved, also at borders.
 
 use rayon::prelude::*;
 
@@ -132,10 +132,10 @@ mod tests {
     /// The weighted sum of Gaussians at a texel, one channel.
     fn value(data: &Buffers, texel: usize, channel: usize) -> f64 {
         let count = data.texel_hits.len();
-        let of = |k: usize| {
+        let term = |k: usize| {
             f64::from(data.gaussians[k][channel]) * f64::from(data.irradiance_maps[(k + 1) * count + texel][channel])
         };
-        (0..GAUSSIANS).map(of).sum()
+        (0..GAUSSIANS).map(term).sum()
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance};
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "cdrf_cells",
-    about: "the cells of that table, each in 4 bytes",
+    about: "the cells of the CDRF's table, each in 4 bytes",
     equation: "Kubo et al. 2010, figure 8",
     writes: &[(BufferId::cdrf_cells, Role::Output, Tolerance::Exact)],
     reason: "multiplications, additions and floors, each rounded once",
@@ -57,12 +57,12 @@ pub fn lookup(cells: &[u32], side: u32, cosine: f64, sigma: f64) -> f64 {
 fn cpu(state: &mut State, _at: Scope) {
     let side = side(state);
     let grid = &state.data.cdrf_grid;
-    let of = |k: u32| {
+    let packed = |k: u32| {
         let first = (k / (side - 1) * side + k % (side - 1)) as usize;
         let next = first + side as usize;
         cell([grid[first], grid[first + 1], grid[next], grid[next + 1]], side)
     };
-    state.data.cdrf_cells = (0..(side - 1) * (side - 1)).map(of).collect();
+    state.data.cdrf_cells = (0..(side - 1) * (side - 1)).map(packed).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

@@ -20,7 +20,7 @@ use crate::layout::{
 };
 use crate::state::{Field, Granularity, Pass, Role, Scope, Stage, State, Tolerance, wide};
 
-/// Tolerances as a share of kappa; that of K as a share of its square.
+/// Tolerances: of kappa and H as a share of kappa, of K as a share of its square.
 const FIELDS: &[Field] = &[
     Field { name: "kappa", relative: 1e-3, floor: 1e-3, of: "" },
     Field { name: "mean", relative: 1e-3, floor: 1e-3, of: "" },
@@ -137,8 +137,8 @@ fn cpu(state: &mut State, _at: Scope) {
         if own[vertex].area > 0.0 || known.is_empty() {
             return own[vertex];
         }
-        let mean = |of: fn(&Curvature) -> f32| {
-            (known.iter().map(|c| f64::from(of(c))).sum::<f64>() / known.len() as f64) as f32
+        let mean = |field: fn(&Curvature) -> f32| {
+            (known.iter().map(|c| f64::from(field(c))).sum::<f64>() / known.len() as f64) as f32
         };
         Curvature { kappa: mean(|c| c.kappa), mean: mean(|c| c.mean), gaussian: mean(|c| c.gaussian), area: 0.0 }
     };

@@ -1,17 +1,16 @@
 //! Stage `curvature_sums`: the integrals of mean and Gaussian curvature over every cluster, for stage
 //! `smooth_curvature`.
 //!
-//! The estimates of stage `curvature` are means over the mixed area around a vertex: times that area they are measures,
-//! of which the integral over a part of the surface is the sum over its vertices (Cohen-Steiner and Morvan 2003). The
-//! Gaussian measure is the missing angle at the vertex: by the theorem of Gauss and Bonnet its sum depends on the
-//! boundary of the part alone, whatever the noise inside. A vertex's measure is divided equally among its triangles.
+//! The estimates of stage `curvature` are means over the mixed area around a vertex. Times that area they are measures:
+//! the integral over a part of the surface is the sum over its vertices (Cohen-Steiner and Morvan 2003). The Gaussian
+//! measure is the missing angle at the vertex; by the theorem of Gauss and Bonnet its sum depends on the boundary of
+//! the part alone, whatever the noise inside. A vertex's measure is divided equally among its triangles.
 
 use crate::error::Result;
 use crate::layout::{BufferId, Buffers, CurvatureSum, NONE};
 use crate::state::{Field, Granularity, Pass, Role, Scope, Stage, State, Tolerance};
 
-/// Tolerances: areas to themselves; integrals as shares of the extent and of a full turn, which is what they are made
-/// of.
+/// Tolerances: of areas relative to themselves, of the integrals as shares of the extent (H) and of a full turn (K).
 const FIELDS: &[Field] = &[
     Field { name: "area", relative: 5e-5, floor: 0.0, of: "" },
     Field { name: "mean", relative: 5e-5, floor: 1e-5, of: "" },
@@ -36,8 +35,8 @@ pub fn rough(state: &State) -> Option<&'static str> {
     none.then_some("curvature is that of the triangles around a vertex: every curvature_radius is 0")
 }
 
-/// The share of a vertex's measures that each of its triangles takes: area, integral of H, integral of K. The vertex
-/// counts from the object's first.
+/// The share of a vertex's measures that each of its triangles takes: area, integral of H, integral of K. Vertices are
+/// counted from the object's first.
 fn part(data: &Buffers, vertex: usize) -> [f64; 3] {
     let bend = data.curvature[vertex];
     let triangles = f64::from(data.corner_starts[vertex + 1] - data.corner_starts[vertex]);

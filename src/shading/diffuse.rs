@@ -29,18 +29,18 @@ pub type Response<'a> = dyn Fn(f64, f64) -> f64 + Sync + 'a;
 pub fn received(state: &State, face: usize, at: [DVec3; 2], sigma: DVec3, response: &Response<'_>) -> DVec3 {
     let data = &state.data;
     let [point, normal] = at;
-    let of = |cosine: f64| DVec3::from_array([0, 1, 2].map(|c| response(cosine, sigma[c])));
+    let respond = |cosine: f64| DVec3::from_array([0, 1, 2].map(|c| response(cosine, sigma[c])));
     let sky: Vec<DVec3> = data.harmonics.iter().take(9).map(|&c| wide(c)).collect();
     let (mut sum, mut all, mut free) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
     for light in &data.lights {
         let (toward, falloff) = arrival(light, point);
         let arrives = reaches(data, light, face);
         if light.kind == LIGHT_SKY_RAY {
-            let weight = harmonics::radiance(&sky, toward) * of(normal.dot(toward));
+            let weight = harmonics::radiance(&sky, toward) * respond(normal.dot(toward));
             all += weight;
             free += if arrives { weight } else { DVec3::ZERO };
         } else if arrives {
-            sum += wide(light.color) * of(normal.dot(toward)) * falloff;
+            sum += wide(light.color) * respond(normal.dot(toward)) * falloff;
         }
     }
     if sky.is_empty() {

@@ -37,14 +37,14 @@ impl Equations {
             let pivot = (i..TERMS).max_by(|&a, &b| self.rows[a][i].abs().total_cmp(&self.rows[b][i].abs()))?;
             self.rows.swap(i, pivot);
             // Singular, or not finite.
-            let open = self.rows[i][i].abs() <= 1e-10 * largest || !self.rows[i][i].is_finite();
-            if open {
+            let singular = self.rows[i][i].abs() <= 1e-10 * largest || !self.rows[i][i].is_finite();
+            if singular {
                 return None;
             }
-            let own = self.rows[i];
+            let pivot_row = self.rows[i];
             for (_, row) in self.rows.iter_mut().enumerate().filter(|(k, _)| *k != i) {
-                let factor = row[i] / own[i];
-                row.iter_mut().zip(own).for_each(|(x, y)| *x -= factor * y);
+                let factor = row[i] / pivot_row[i];
+                row.iter_mut().zip(pivot_row).for_each(|(x, y)| *x -= factor * y);
             }
         }
         Some(std::array::from_fn(|i| self.rows[i][TERMS] / self.rows[i][i]))
@@ -73,8 +73,8 @@ pub fn principal(normal: DVec3, neighbours: &[(DVec3, DVec3)]) -> Option<[f64; 2
     Some([mean + half, mean - half])
 }
 
-/// The same at a vertex, from the other corners of its triangles. `data` holds one object only, after stage
-/// `curvature`. None where a neighbour lies at an open edge: its normal averages one side only.
+/// Principal curvatures at a vertex, the larger first, from the other corners of its triangles. `data` holds one object
+/// only, after stage `curvature`. None where a neighbour lies at an open edge: its normal averages one side only.
 #[must_use]
 pub fn at(data: &Buffers, vertex: usize) -> Option<[f64; 2]> {
     let first = data.object_params[0].first_vertex;

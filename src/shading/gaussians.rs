@@ -34,11 +34,11 @@ pub struct Gaussians {
 
 /// The integral of a channel's profile over the plane beyond the distance `r`.
 fn beyond(dipole: &Dipole, r: f64) -> f64 {
-    let of = |z: f64| {
+    let source = |z: f64| {
         let s = r.hypot(z);
         TAU * dipole.strength * z * (-dipole.sigma * s).exp() / s
     };
-    dipole.depths().into_iter().map(of).sum()
+    dipole.depths().into_iter().map(source).sum()
 }
 
 /// One channel's profile at the radii, times r^2, divided by its total.
@@ -51,7 +51,7 @@ struct Target {
 fn weigh(radii: &[f64], target: &Target, variances: &[f64; GAUSSIANS]) -> ([f64; GAUSSIANS], f64) {
     let rows: Vec<[f64; GAUSSIANS]> =
         radii.iter().map(|r| variances.map(|v| r * r * (-r * r / (2.0 * v)).exp() / (TAU * v))).collect();
-    let sum = |of: &dyn Fn(usize) -> f64| (0..rows.len()).map(of).sum::<f64>();
+    let sum = |term: &dyn Fn(usize) -> f64| (0..rows.len()).map(term).sum::<f64>();
     // The constraint on the sum of weights counts a thousand times as much as all radii together.
     let whole = 1e3 * sum(&|k| target.values[k].powi(2)).max(f64::MIN_POSITIVE);
     let gram: [[f64; GAUSSIANS]; GAUSSIANS] =
@@ -142,8 +142,8 @@ impl Gaussians {
     /// result of an ideal blur.
     #[must_use]
     pub fn edge(&self, channel: usize, distance: f64) -> f64 {
-        let of = |(weight, v): (&f64, &f64)| weight * normal(distance / v.sqrt());
-        self.weights[channel].iter().zip(&self.variances).map(of).sum()
+        let term = |(weight, v): (&f64, &f64)| weight * normal(distance / v.sqrt());
+        self.weights[channel].iter().zip(&self.variances).map(term).sum()
     }
 }
 

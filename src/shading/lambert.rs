@@ -1,4 +1,4 @@
-//! Stage `lambert`: Lambert's cosine at each pixel, for comparison: stage `cdrf` with f = max(cos, 0).
+//! Stage `lambert`: Lambert's cosine at each pixel, for comparison. It is stage `cdrf` with f = max(cos, 0).
 
 use super::diffuse::{record, shade};
 use crate::error::Result;

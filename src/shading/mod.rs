@@ -23,7 +23,7 @@ pub mod texture_blur;
 use crate::state::stage::{Cpu, Gpu};
 use crate::state::{Carrier, Need, Serves, Stage, Update};
 
-/// A stage of shading by curvature, run again for another shape; it says what of that is different, and the rest.
+/// Defaults of a stage of shading by curvature, which runs again for another shape.
 const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
     Stage {
         module: "shading",

@@ -63,12 +63,12 @@ fn lobe(theta: f64, sigma: f64) -> f64 {
 /// integrals of f(mu) P_l(mu) over mu from -1 to 1. At sigma 0 they are Lambert's: pi, 2 pi / 3 and pi / 4.
 #[must_use]
 pub fn zonal(sigma: f64) -> [f64; 3] {
-    // The integral of cos(2 n t) sin t over t from 0 to pi, and of the same times P_2 = (1 + 3 cos 2 t) / 4.
-    let of = |n: i32| -2.0 / (4.0 * f64::from(n * n) - 1.0);
-    let second = |n: i32| 0.25 * (of(n) + 1.5 * (of(n + 1) + of(n - 1)));
+    // The integral of cos(2 n t) sin t over t from 0 to pi, and that of the same times P_2 = (1 + 3 cos 2 t) / 4.
+    let plain = |n: i32| -2.0 / (4.0 * f64::from(n * n) - 1.0);
+    let second = |n: i32| 0.25 * (plain(n) + 1.5 * (plain(n + 1) + plain(n - 1)));
     // At sigma 0 the terms fall as n^-4 with alternating signs.
-    let sum = |of: &dyn Fn(i32) -> f64| 4.0 * (1..=96).map(|n| term(n, sigma) * of(n)).sum::<f64>();
-    [4.0 + sum(&of), TAU / 3.0 * (-0.5 * sigma * sigma).exp(), sum(&second)]
+    let sum = |integral: &dyn Fn(i32) -> f64| 4.0 * (1..=96).map(|n| term(n, sigma) * integral(n)).sum::<f64>();
+    [4.0 + sum(&plain), TAU / 3.0 * (-0.5 * sigma * sigma).exp(), sum(&second)]
 }
 
 /// Energy reflected by a ball relative to Lambert's cosine: rho(sigma), from 1 to 4 / pi. The CDRF blurs along a

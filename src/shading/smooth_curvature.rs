@@ -1,5 +1,5 @@
 //! Stage `smooth_curvature`: kappa at each vertex from the curvature measures within `curvature_radius` (Cohen-Steiner
-//! and Morvan 2003), so that it is that of the shape at the scale of the scattering, not of the triangles.
+//! and Morvan 2003), so that it is the shape's curvature at the scale of the scattering, not that of the triangles.
 //!
 //! H = sum w_k int_k H / sum w_k A_k over the parts k of the surface, K likewise, with the weight w = (1 - d^2 / R^2)^2
 //! max(n . n_k, 0): smooth, 0 from the radius R on, and 0 on the far side of a thin part, which faces away. Any weight
@@ -31,7 +31,7 @@ pub static STAGE: Stage = Stage {
     ..super::stage(cpu, gpu)
 };
 
-/// kappa of a vertex, as shading takes it: smoothed if the frame smooths it.
+/// kappa of a vertex for shading: the smoothed one if the frame smooths it.
 #[must_use]
 pub fn kappa(data: &Buffers, vertex: usize) -> f32 {
     data.smooth_kappa.get(vertex).copied().unwrap_or_else(|| data.curvature[vertex].kappa)
@@ -47,11 +47,11 @@ fn squares(low: [f32; 3], high: [f32; 3], point: [f32; 3]) -> [f32; 2] {
 
 /// kappa of a vertex of the only object.
 fn smoothed(data: &Buffers, vertex: usize) -> f32 {
-    let (params, own) = (&data.object_params[0], data.curvature[vertex].kappa);
+    let (params, rough_kappa) = (&data.object_params[0], data.curvature[vertex].kappa);
     let (radius, first) = (params.curvature_radius, params.first_vertex);
     let (normal, at) = (wide(data.normals[vertex]), data.positions[first as usize + vertex]);
     if radius == 0.0 || normal == DVec3::ZERO {
-        return own;
+        return rough_kappa;
     }
     let (reach, small) = (radius * radius, (SMOOTHING_SHARE * radius) * (SMOOTHING_SHARE * radius));
     let mut sums = [0.0; 3];
@@ -76,7 +76,7 @@ fn smoothed(data: &Buffers, vertex: usize) -> f32 {
         node = place.skip as usize;
     }
     if sums[0] <= 0.0 {
-        return own;
+        return rough_kappa;
     }
     let [mean, gaussian] = [sums[1] / sums[0], sums[2] / sums[0]];
     match params.kappa {

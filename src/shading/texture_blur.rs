@@ -1,7 +1,7 @@
 //! Stage `texture_blur`: radiance of each pixel from the blurred irradiance at its texture coordinates.
 //!
-//! L = F_t(w_o) / pi times the sum over the Gaussians of weight times blurred irradiance, interpolated bilinearly
-//! among those of the four nearest texels that show a surface.
+//! L = F_t(w_o) / pi times the sum over the Gaussians of weight times blurred irradiance. The irradiance is
+//! interpolated bilinearly among those of the four nearest texels that show a surface.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ pub static STAGE: Stage = Stage {
     about: "radiance of each pixel from light blurred over the texture (`--transport texture-blur`)",
     equation: "d'Eon et al. 2007, section 5",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 5e-5 })],
-    reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
+    reason: "a place in the texture is off by about 1e-7, times its texels per unit and their contrast",
     carriers: &[Carrier::TextureBlur],
     runs: Update::picture,
     ..super::stage(cpu, gpu)

@@ -16,7 +16,7 @@ pub static STAGE: Stage = Stage {
     needs: &[Need::Light, Need::Picture],
     serves: Serves {
         object: |object, method| (Serves::LIT_BY_FACE.object)(object, method) && !object.by_pixel,
-        none: "the receivers are what the pixels show",
+        none: "the receivers are the points that pixels show",
     },
     ..super::stage(cpu, gpu)
 };

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::layout::{BufferId, Range};
 use crate::state::{Carrier, Distance, Near, Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 
-/// Most receivers of one dispatch, so that none runs for many seconds.
+/// Most receivers of one dispatch, so that no dispatch runs for many seconds.
 const RECEIVERS: u32 = 8192;
 /// Most emitters of one dispatch: lavapipe silently ends an invocation's loops after 65,535 iterations in total.
 const FAR_EMITTERS: u32 = 32768;

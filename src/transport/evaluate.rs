@@ -17,8 +17,8 @@ pub static STAGE: Stage = Stage {
     about: "single form factors, radial and with displaced sources, and values of the profile",
     equation: "Mertens et al. 2003, Table 1 and equation 7",
     writes: &[(BufferId::answers, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 })],
-    reason: "twelve nodes an edge against graded quadrature in f64; edges of a thin triangle cancel, those of a far one \
-             too, so that from there on one sample with its second moment is taken",
+    reason: "twelve nodes an edge against graded quadrature in f64; edges of a thin triangle cancel, and those of a \
+             far one, which takes one sample with its second moment instead",
     ..Stage::new(cpu, gpu)
 };
 

@@ -17,8 +17,7 @@ pub mod walk;
 use crate::state::stage::{Cpu, Gpu};
 use crate::state::{Carrier, Granularity, Need, Serves, Stage, Update};
 
-/// A stage that carries light through each object, run again wherever radiosity changes; it says what of that is
-/// different, and the rest.
+/// Defaults of a stage that carries light through each object, and runs again wherever radiosity changes.
 const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
     Stage {
         module: "transport",

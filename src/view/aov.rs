@@ -28,19 +28,19 @@ pub struct Layer {
     pub name: &'static str,
     /// The channels.
     pub channels: Vec<(&'static str, Samples)>,
-    /// What a reader must know about it: the layer's `comments` in the file.
+    /// What a reader must know about the layer: its `comments` in the file.
     pub comment: Option<&'static str>,
 }
 
 impl Layer {
-    /// Three floats per pixel.
+    /// A layer of three floats per pixel.
     #[must_use]
     pub fn vector(name: &'static str, channels: [&'static str; 3], values: &[[f32; 3]]) -> Self {
         let one = |c: usize| (channels[c], Samples::Float(values.iter().map(|v| v[c]).collect()));
         Self { name, channels: (0..3).map(one).collect(), comment: None }
     }
 
-    /// One value per pixel.
+    /// A layer of one value per pixel.
     #[must_use]
     pub fn single(name: &'static str, channel: &'static str, samples: Samples) -> Self {
         Self { name, channels: vec![(channel, samples)], comment: None }

@@ -21,7 +21,7 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
 pub struct Part(PathBuf);
 
 impl Part {
-    /// At this path, where nothing exists yet.
+    /// A part at this path, where nothing exists yet.
     pub fn new(path: PathBuf) -> Self {
         parts().push(path.clone());
         Self(path)
@@ -64,11 +64,12 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::R
     write(part.path()).and_then(|()| std::fs::rename(part.path(), path).map_err(|e| e.to_string())).map_err(fault)
 }
 
-/// Most links from one to another, as many as Linux follows.
+/// Most symbolic links that are followed one after another, as many as Linux follows.
 const MOST_LINKS: usize = 40;
 
-/// The regular file at a path, or where there will be one: links are followed, also to what is not there yet. None for
-/// a device or a pipe, which is written directly; an error for what may not be written.
+/// The path of the regular file at a path, or of the one to be created: links are followed, also to files that do not
+/// exist yet. None for a device or a pipe, which is written directly; an error for a folder or a file that may not be
+/// written.
 fn target(path: &Path) -> std::result::Result<Option<PathBuf>, String> {
     match std::fs::metadata(path) {
         Ok(known) if known.is_dir() => return Err("it is a folder".into()),
@@ -86,7 +87,7 @@ fn target(path: &Path) -> std::result::Result<Option<PathBuf>, String> {
     Ok(Some(place.canonicalize().unwrap_or(place)))
 }
 
-/// Whether a path is that of a device or a pipe, whose name says no format.
+/// Whether a path is that of a device or a pipe, whose name does not tell a format.
 #[must_use]
 pub fn is_device(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|known| !known.is_file() && !known.is_dir())
@@ -124,8 +125,8 @@ pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>
     Ok(())
 }
 
-/// The same for an encoder of a library. It writes to memory, because it may overlook that the last bytes of a file
-/// could not be written.
+/// [`write_atomically`] for a library's encoder. It encodes to memory, because encoders may overlook that the last
+/// bytes of a file could not be written.
 pub fn encode_atomically(
     path: &Path,
     encode: impl FnOnce(&mut Cursor<Vec<u8>>) -> std::result::Result<(), String>,

@@ -14,7 +14,7 @@ pub static STAGE: Stage = Stage {
     about: "radiance of pixels that show no object: the environment's image, linear between pixels",
     equation: "the image's latitude and longitude",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
-    reason: "a place in the image is an angle in f32, off by some 4e-7, times its pixels a radian and their contrast",
+    reason: "a place in the image is an angle in f32, off by some 4e-7, times its pixels per radian and their contrast",
     skip,
     ..super::stage(cpu, gpu)
 };

@@ -17,7 +17,7 @@ pub mod visibility;
 use crate::state::stage::{Cpu, Gpu};
 use crate::state::{Carrier, Need, Stage, Update};
 
-/// A stage that makes the picture, once for all pixels; it says what of that is different, and the rest.
+/// Defaults of a stage that makes the picture, once for all pixels.
 const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
     Stage {
         module: "view",

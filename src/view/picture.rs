@@ -44,15 +44,16 @@ pub fn filmic(exposed: f64) -> f64 {
     curve(2.0 * exposed.clamp(0.0, 5.6)) / curve(11.2)
 }
 
-/// The share of what is seen of translucent objects that a metered exposure shows darker than `METERED_SHOWN`.
+/// The share of pixels that a metered exposure shows no brighter than `METERED_SHOWN`.
 const METERED_SHARE: f64 = 0.98;
-/// What it shows that share of, sRGB: just below white.
+/// An sRGB value just below white.
 const METERED_SHOWN: f64 = 245.0 / 255.0;
-/// Its range.
+/// The range of a metered exposure.
 const METERED_RANGE: [f64; 2] = [1e-30, 1e30];
 
 /// The exposure at which at least 98 % of these pixels, each by its brightest channel, are shown at most as 245 of 255;
-/// down to a sixteenth of a stop, so that devices whose pixels differ in last bits expose alike. 1 where all are dark.
+/// rounded down to a sixteenth of a stop, so that devices whose pixels differ in last bits expose alike. 1 if there are
+/// no pixels, or if the one that decides is black.
 #[must_use]
 pub fn metered(mut brightest: Vec<f32>, tone: Tone) -> f64 {
     if brightest.is_empty() {
@@ -89,7 +90,7 @@ pub fn save_png(path: &Path, [width, height]: [usize; 2], bytes: &[u8]) -> Resul
     })
 }
 
-/// Whether a picture of this name has 8 bits a channel.
+/// Whether the file of a picture of this name is a PNG, with 8 bits a channel.
 #[must_use]
 pub fn is_png(path: &Path) -> bool {
     matches!(kind(path), Ok(Kind::Png))

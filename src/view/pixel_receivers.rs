@@ -3,8 +3,8 @@
 //!
 //! A tile of 4 x 4 pixels may show the object's edge and another part of it far behind. Its points are divided into
 //! up to [`TILE_BLOCKS`] blocks, each a first point and the points near it, so that no block is much wider than a
-//! tile of a slanted surface. Points near none of the four go into the last block, about whose centre no light is
-//! expanded then.
+//! tile of a slanted surface. Points near none of the four first points go into the last block; then no light is
+//! expanded about its centre.
 
 use rayon::prelude::*;
 
@@ -22,7 +22,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "pixel_receivers",
     about: "receivers at the points that pixels show, grouped into blocks of nearby points in a tile of 4 x 4 pixels",
-    equation: "the hit triangle's corners by their weights",
+    equation: "the mean of the hit triangle's corners by their weights",
     writes: &[
         (BufferId::receiver_positions, Role::Output, Tolerance::Exact),
         (BufferId::seen, Role::Update, Tolerance::Exact),

@@ -1,6 +1,6 @@
 //! Stage `pixel_shadow`: whether each light reaches the point that a pixel shows, by a ray from that point: shadow
-//! borders are as sharp as the picture, however coarse the triangles. Opaque objects are lit by it, and the reflections
-//! of lights on all objects.
+//! borders are as sharp as the picture, however coarse the triangles. It shadows opaque objects, and the reflections of
+//! lights on all objects.
 
 use rayon::prelude::*;
 
@@ -39,7 +39,7 @@ fn skip(state: &State) -> Option<&'static str> {
     }
 }
 
-/// Whether the light at the pixels of an object is asked for: to light it, or to be reflected.
+/// Whether a light of this kind is needed at the pixels of an object: to light it, or to be reflected.
 fn asked(params: &ObjectParams, kind: u32) -> bool {
     params.opaque == OPAQUE_BY_PIXEL || (params.reflection != REFLECTION_NONE && kind != LIGHT_SKY_RAY)
 }

@@ -40,7 +40,7 @@ fn skip(state: &State) -> Option<&'static str> {
 /// Number of environment look-ups per pixel.
 pub const DIRECTIONS: u32 = 32;
 
-/// Their facets or directions, about the z axis; only meaningful for an object that reflects.
+/// The facets or directions of an object's environment look-ups, about the z axis; only meaningful if it reflects.
 #[must_use]
 pub fn lobe(params: &ObjectParams) -> Vec<[f32; 3]> {
     let shape = f64::from(params.roughness);
@@ -139,8 +139,8 @@ fn cpu(state: &mut State, _at: Scope) {
     let data = &state.data;
     let scale = f64::from(data.camera[0].radiance);
     let pixels = data.hits.par_iter().zip(&data.radiance).enumerate();
-    let with = |(pixel, (hit, &before))| narrow(wide(before) + scale * reflected(state, pixel, hit));
-    state.data.radiance = pixels.map(with).collect();
+    let radiance = |(pixel, (hit, &before))| narrow(wide(before) + scale * reflected(state, pixel, hit));
+    state.data.radiance = pixels.map(radiance).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

@@ -1,4 +1,5 @@
-//! Stage `shade`: the radiance that leaves towards the eye, equation 3, from radiosity interpolated between vertices.
+//! Stage `shade`: the radiance that leaves towards the eye, equation 3, from radiosity interpolated between vertices,
+//! or from that of the pixel's own receiver.
 //!
 //! Its integral over all directions is (1 - F_ext) B; with `normalize_exit` the object's factor `exit` makes that B.
 
@@ -18,7 +19,7 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, equation 3",
     writes: &[(BufferId::radiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a short chain of f32 operations; near the critical angle (eta < 1) transmittance grows like a root, and one \
-             rounding of the cosine, 1e-7, is worth 2e-5 where 1e-5 of the squares are left",
+             rounding of the cosine, 1e-7, changes it by 2e-5 where 1e-5 of the squares are left",
     sizes: &[(BufferId::radiance, Size::Elements(State::pixels))],
     skip,
     ..super::stage(cpu, gpu)

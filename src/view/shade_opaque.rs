@@ -55,8 +55,8 @@ fn radiance(state: &State, pixel: usize, hit: &Hit) -> Option<[f32; 3]> {
 fn cpu(state: &mut State, _at: Scope) {
     let data = &state.data;
     let pixels = data.hits.par_iter().zip(&data.radiance).enumerate();
-    let own = pixels.map(|(pixel, (hit, &before))| radiance(state, pixel, hit).unwrap_or(before)).collect();
-    state.data.radiance = own;
+    let shaded = pixels.map(|(pixel, (hit, &before))| radiance(state, pixel, hit).unwrap_or(before)).collect();
+    state.data.radiance = shaded;
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

@@ -13,7 +13,7 @@ pub static STAGE: Stage = Stage {
     about: "radiance of each pixel that shows the object times the texture there, linear between texels",
     equation: "d'Eon et al. 2007, post-scatter texturing",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
-    reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
+    reason: "a place in the texture is off by about 1e-7, times its texels per unit and their contrast",
     needs: &[Need::Light, Need::Picture],
     skip: |state| untextured(state, TEXTURE_LEAVES),
     ..super::stage(cpu, gpu)

@@ -1,5 +1,5 @@
 //! Stage `tone`: exposure, tone curve and sRGB curve to 8 bits a channel, by comparison with the least radiance of each
-//! of the 255 steps. The host finds these by the curves themselves, so every device shows the same.
+//! of the 255 steps. The host finds these from the curves, so that every device shows the same.
 
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ pub static STAGE: Stage = Stage {
     ..super::stage(cpu, gpu)
 };
 
-/// The least radiance that is shown as 1, as 2, ... as 255: infinite where none is.
+/// The least radiance that is shown as 1, as 2, ... as 255; infinite if no radiance is.
 #[must_use]
 pub fn thresholds(exposure: f64, tone: Tone) -> Vec<f32> {
     let least = |step: u32| {
@@ -60,7 +60,7 @@ mod tests {
         for (exposure, tone) in [(1.0, Tone::Clip), (2.0, Tone::Filmic), (1e-30, Tone::Clip), (1e30, Tone::Filmic)] {
             let tones = thresholds(exposure, tone);
             assert!(tones.len() == 255 && tones.is_sorted());
-            // Both sides of every step, and what is no radiance.
+            // Both sides of every step, and numbers that are no radiance.
             let near = |x: f32| [x.next_down(), x, x.next_up()];
             let values: Vec<f32> =
                 tones.iter().copied().flat_map(near).chain([0.0, -0.0, -1.0, 1e38, f32::INFINITY]).collect();

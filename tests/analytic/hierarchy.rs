@@ -116,7 +116,7 @@ fn the_relative_radius_of_rectangles_is_known() {
     let expected = (std::f64::consts::TAU * ((w * w + h * h) / 12.0) / (w * h)).sqrt();
     let found = relative_radius(&tree, &positions, &triangles);
     assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
-    // Some of the triangles tell how much wider clusters become.
+    // A sample of the triangles shows how much wider clusters become.
     let (positions, triangles) = grid(64);
     let tree = median::build(&positions, &triangles, 1);
     let some = Sample::of(&tree, 1000);

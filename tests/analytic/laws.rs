@@ -1,5 +1,5 @@
-//! What chooses the lists of a block, against its definition: samples of the light's level, contrast, and the tables of
-//! distances.
+//! The numbers that choose the lists of a block, against their definitions: samples of the light's level, contrast, and
+//! the tables of distances.
 
 use milkglass::internals::dipole::form_factor::ladder::q2;
 use milkglass::internals::dipole::profile::Dipole;

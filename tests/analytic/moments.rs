@@ -69,13 +69,13 @@ fn beyond_its_distance_chi_is_below_the_limit() {
         assert!((chi_distance(tau, [0.0; 3], limit) / expected - 1.0).abs() < 1e-12);
         for sigma in [0.3, 4.0, 30.0] {
             let [least, most] = [chi_distance(tau, [0.0; 3], limit), chi_distance(tau, [0.0, sigma, 0.0], limit)];
-            // It is the channel that needs the most; chi keeps the limit there, and is not far below it.
+            // The distance is that of the channel that needs the most; chi there is within the limit, not far below it.
             let at = chi(tau, sigma, most);
             assert!(most >= least && (at <= limit || (sigma * most - FAINTEST).abs() < 1e-9), "{tau} {sigma}: {at}");
             assert!(at > 0.5 * limit || most <= 1.01 * least, "{tau} {sigma}: {at} of {limit}");
         }
     }
-    // Where no distance serves: the faintest light that counts, or the farthest place.
+    // Where no distance serves: the one of the faintest light that counts, or the farthest.
     assert_eq!(chi_distance(1e9, [0.0; 3], 1e-9), FARTHEST);
     assert_eq!(chi_distance(1.0, [10.0; 3], 1e-3), FAINTEST / 10.0);
 }
@@ -150,7 +150,7 @@ fn moments_of_clusters_are_those_of_their_triangles() {
         let stored = symmetric([wide(second.diagonal), wide(second.mixed)]);
         let apart = (stored - tensor).to_cols_array().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         assert!(apart < 1e-5 * trace + 1e-12, "{node}: {stored} {tensor}");
-        // No corner is beyond the radius, and the radius is not that of much more.
+        // No corner is beyond the radius, and the radius is less than twice as large as it has to be.
         let reach = triangles.iter().flat_map(|(t, _)| t).fold(0.0, |most: f64, p| most.max(p.distance(center)));
         let radius = f64::from(second.radius);
         assert!(radius > 0.9999 * reach && radius < 2.0 * reach + 1e-6, "{node}: {radius} {reach}");

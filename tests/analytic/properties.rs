@@ -65,8 +65,8 @@ fn solve(mesh: &Mesh, lights: &[String], rest: &str) -> Option<[Vec<[f64; 3]>; 2
     let session = frame(mesh, lights, rest)?;
     let (data, unit) = (&session.state().data, session.units().light);
     let places = session.prepared().places(0);
-    let of = |light: &[[f32; 3]]| places.iter().map(|&face| light[face].map(|x| f64::from(x) * unit)).collect();
-    Some([of(&data.irradiance), of(&data.radiosity)])
+    let in_order = |light: &[[f32; 3]]| places.iter().map(|&face| light[face].map(|x| f64::from(x) * unit)).collect();
+    Some([in_order(&data.irradiance), in_order(&data.radiosity)])
 }
 
 fn sun(direction: DVec3, strength: f64, shadows: bool) -> String {
@@ -249,8 +249,8 @@ fn dented_balls_have_emitters_of_every_kind() {
         let mesh = dented().new_tree(&mut runner).unwrap().current();
         let session = frame(&mesh, &[sun(DVec3::new(1.0, 2.0, 3.0), 1.0, false)], &format!("{MARBLE}{TIGHT}")).unwrap();
         for run in &session.state().data.runs {
-            let of = [run.dropped, run.expanded, run.direct, run.area, run.edge];
-            (0..5).for_each(|kind| kinds[kind] += of[kind]);
+            let counts = [run.dropped, run.expanded, run.direct, run.area, run.edge];
+            (0..5).for_each(|kind| kinds[kind] += counts[kind]);
         }
     }
     assert!(kinds.iter().all(|&count| count > 0), "dropped, expanded, direct, area, edge: {kinds:?}");

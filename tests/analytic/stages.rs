@@ -54,7 +54,7 @@ fn brute_force_is_the_sum_over_all_faces() {
             error += (wide(data.radiosity[receiver]) - expected).powf(2.0);
             square += expected * expected;
         }
-        // One sample from half the distance on would err by 1e-4 on a ball.
+        // If single samples began at half their distance, the error on a ball would be 1e-4.
         let error = (error / square).max_element().sqrt();
         assert!(error < 7e-5, "{name}: {error}");
     }

@@ -16,7 +16,7 @@ pub struct Script {
     pub fence: Option<u32>,
 }
 
-/// Reads the script `case.amber` of a folder; panics at the first line that is not as the grammar has it.
+/// Reads the script `case.amber` of a folder; panics at the first line that the grammar does not allow.
 pub fn read(folder: &Path) -> Script {
     let text = std::fs::read_to_string(folder.join("case.amber")).unwrap();
     check(&text, folder).unwrap_or_else(|fault| panic!("{}: {fault}", folder.display()))
@@ -39,7 +39,7 @@ fn float(word: Option<&&str>) -> Result<f64, String> {
 fn name(word: Option<&&str>) -> Result<String, String> {
     let word = *word.ok_or("a name is missing")?;
     let plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c));
-    // What begins like a number is read as one.
+    // A word that begins like a number is read as one.
     let first = word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
     if plain && first { Ok(word.into()) } else { Err(format!("{word} is no name")) }
 }

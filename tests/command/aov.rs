@@ -51,26 +51,26 @@ fn layers_tell_what_solve_tells() {
         let mut seen = 0;
         let pixels = 0..SIZE.0 * SIZE.1;
         for pixel in pixels {
-            let of = |name: &str| layers[name][pixel];
-            if of("triangle.id") == none {
-                assert_eq!((of("object.id"), of("links.count"), of("irradiance.R")), (none, 0.0, 0.0));
-                assert!(of("depth.Z").is_infinite() && of("normal.X") == 0.0);
+            let channel = |name: &str| layers[name][pixel];
+            if channel("triangle.id") == none {
+                assert_eq!((channel("object.id"), channel("links.count"), channel("irradiance.R")), (none, 0.0, 0.0));
+                assert!(channel("depth.Z").is_infinite() && channel("normal.X") == 0.0);
                 continue;
             }
             seen += 1;
-            let row = &rows[of("triangle.id") as usize];
+            let row = &rows[channel("triangle.id") as usize];
             for (k, c) in ["R", "G", "B"].iter().enumerate() {
-                assert!(close(of(&format!("irradiance.{c}")), row[5 + k], 1e-6), "{how}");
-                assert!(of(&format!("radiosity.{c}")) >= 0.0);
+                assert!(close(channel(&format!("irradiance.{c}")), row[5 + k], 1e-6), "{how}");
+                assert!(channel(&format!("radiosity.{c}")) >= 0.0);
                 if estimated {
-                    assert!(close(of(&format!("error_estimate.{c}")), row[12 + k], 1e-5), "{how}");
+                    assert!(close(channel(&format!("error_estimate.{c}")), row[12 + k], 1e-5), "{how}");
                 }
             }
             // The ball has radius 5 and its centre at the origin, so normals are about face centres over 5.
-            let n = ["X", "Y", "Z"].map(|axis| of(&format!("normal.{axis}")));
-            assert!(close(n.iter().map(|x| x * x).sum(), 1.0, 1e-5) && of("object.id") == 0.0);
+            let n = ["X", "Y", "Z"].map(|axis| channel(&format!("normal.{axis}")));
+            assert!(close(n.iter().map(|x| x * x).sum(), 1.0, 1e-5) && channel("object.id") == 0.0);
             assert!((n[0] - row[1] / 5.0).abs() < 0.3 && (n[1] - row[2] / 5.0).abs() < 0.3, "{n:?} {row:?}");
-            assert!(of("depth.Z") > 5.0 && of("depth.Z") < 100.0 && of("links.count") >= 1.0);
+            assert!(channel("depth.Z") > 5.0 && channel("depth.Z") < 100.0 && channel("links.count") >= 1.0);
         }
         assert!(seen > 100 && seen < SIZE.0 * SIZE.1, "{how}: {seen} pixels show the ball");
 

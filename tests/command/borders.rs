@@ -1,4 +1,4 @@
-//! What the error estimate leaves out is said: borders of shadows within triangles, where there are any.
+//! The program says what the error estimate leaves out: borders of shadows within triangles, where there are any.
 
 use crate::shell::{folder, good};
 use exr::prelude::read_all_flat_layers_from_file;
@@ -8,7 +8,7 @@ const SLAB: &str = "[camera]\nposition = [0, 0, 60]\ntarget = [0, 0, 0]\nsize = 
                     [[object]]\nshape = 'slab'\ndetail = 8\nsize = 20\nmaterial = { preset = 'marble' }\n\
                     [[light]]\ntype = 'directional'\ndirection = [0.2, 0.3, 1]\nirradiance = 3\n\
                     [[light]]\ntype = 'environment'\nradiance = 1\nocclusion = 16\n";
-/// Over half of it.
+/// An opaque plate above half of the slab.
 const PLATE: &str = "[[object]]\nshape = 'slab'\ndetail = 4\nsize = 14\nposition = [3, 4, 12]\n\
                      material = { opaque = true }\n";
 const WORDS: &str = "the error estimate leaves out the borders of shadows";

@@ -16,7 +16,7 @@ pub fn planted(here: &TempDir, file: &str, new: &str) {
     std::fs::write(here.path().join(file), source.replace(old, new)).unwrap();
 }
 
-/// The results in a file: of lines, or of one object.
+/// The results in a file, which has a line for each or one object with all.
 pub fn results(here: &TempDir, name: &str) -> Vec<Value> {
     let text = read(here, name);
     let lines = text.lines().map(|line| serde_json::from_str::<Value>(line).unwrap_or_default());
@@ -34,8 +34,8 @@ pub fn keys(results: &[Value]) -> Vec<String> {
     keys
 }
 
-/// `slow.comp`: for these groups it takes some seconds per 64 sums for a few of them. The loop stays below what
-/// llvmpipe ends.
+/// Writes `slow.comp`, which takes some seconds per 64 `sums` in these groups, if they are few. Its loop is too short
+/// for llvmpipe to end it.
 pub fn slow(here: &TempDir, groups: &str, sums: usize) {
     planted(here, "slow.comp", &format!("max(sum + ({groups} ? 1e-30 * slow(sum.x) : 0), vec3(0))"));
     let text = read(here, "slow.comp");
@@ -223,7 +223,7 @@ fn changes_are_shown_though_within_tolerance() {
     assert!(out.contains("mended: 2"), "{out}");
     good(&here, &format!("{line} --fixture sliver --json one.json"));
     let (out, _) = good(&here, "compare sound.json one.json");
-    // A report says on what: the device's numbers, the driver's version, the system, the layer.
+    // A report names where it failed: the device's numbers, the driver's version, the system, the layer.
     let (told, _) = good(&here, &format!("{line} --fixture sliver"));
     for words in [" (0x", "(version 0x", "\non ", "; no validation layer\n"] {
         assert!(told.contains(words), "{words}: {told}");

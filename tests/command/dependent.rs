@@ -26,18 +26,18 @@ fn succeed(command: &mut Command) -> String {
     text[0].clone()
 }
 
-/// Dependencies as this crate has them, so that they are there already; milkglass unoptimized, since what is tested is
-/// what is built and linked.
+/// Dependencies as this crate has them, so that they are built already; milkglass unoptimized, since the test asks only
+/// whether it builds and links.
 const PROFILE: &str = "[profile.release]\nlto = \"off\"\n\n[profile.release.package.milkglass]\nopt-level = 0\n";
 
-/// The folder of what is built.
+/// Cargo's target folder.
 fn target() -> &'static Path {
     Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap()
 }
 
-/// Lines of a manifest: what milkglass does not always depend on. A crate that depends on it too shares with the tests
-/// all that they were built with; else the features of many crates differ, so that those would be built once more. Not
-/// for what is only checked: there a feature that milkglass forgets to ask for is missing.
+/// Lines of a manifest: the dependencies that milkglass does not always have. A crate that has them, too, shares all
+/// builds with the tests; without them the features of many crates differ, so that these would be built once more. A
+/// crate that is only checked goes without, so that a feature that milkglass forgets to ask for is missing there.
 fn shared() -> String {
     let manifest = fs::read_to_string("Cargo.toml").unwrap();
     let (_, of_tests) = manifest.split_once("[dev-dependencies]\n").unwrap();
@@ -54,7 +54,7 @@ fn shared() -> String {
 enum Done {
     /// Built and run: it links, and renders.
     Run,
-    /// Checked: what it names is there. It links no more than the one that is run.
+    /// Checked: all that it names exists. It would link nothing beyond the one that is run.
     Checked,
 }
 
@@ -140,7 +140,7 @@ mod rare {
         let none = [("GLSLC", "/no/such/compiler")];
         depends(&source, ", default-features = false", &none, Done::Checked);
 
-        // Where a source differs from what the SPIR-V was made of, it is not used.
+        // SPIR-V whose source has changed is not used.
         let kernel = source.join("glsl/invocation.glsl");
         fs::write(&kernel, fs::read_to_string(&kernel).unwrap() + "\n// Changed.\n").unwrap();
         let build = Command::new(env!("CARGO"))

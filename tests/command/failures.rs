@@ -25,7 +25,7 @@ fn ended(output: &Output, code: i32, words: &[&str]) {
     assert!(words.is_empty() || line.is_some(), "no line with {words:?} in {err}");
 }
 
-/// A pipe without a writer: a word on what is waited for, and Ctrl-C ends it.
+/// A pipe without a writer: the program says what it waits for, and Ctrl-C ends it.
 #[test]
 fn a_pipe_is_waited_for_until_it_is_stopped() {
     let here = folder(&[]);

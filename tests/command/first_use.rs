@@ -19,7 +19,7 @@ fn new_kernels_are_compiled_ahead() {
     assert_eq!(ahead, llvmpipe && several, "{out}");
     render("render -o again.png --size 64x48 --times", None);
     assert_eq!(bytes(&here, "first.png"), bytes(&here, "again.png"));
-    // Without a cache there is nobody to compile for.
+    // Without a cache nothing is compiled ahead.
     let (out, ahead, _) =
         render("render -o none.png --size 64x48 --times", Some(("MESA_SHADER_CACHE_DISABLE", "true")));
     assert!(!ahead && bytes(&here, "first.png") == bytes(&here, "none.png"), "{out}");
@@ -32,7 +32,8 @@ fn a_small_picture_before_a_large_one_finds_the_light_of_both() {
     let (out, _) = good(&here, line);
     let steps =
         |stage: &str| out.lines().find(|row| row.starts_with(stage)).and_then(|row| row.split_whitespace().nth(1));
-    // Two small ones, one through the centres, and two samples; 20,480 triangles, more than the small one has pixels.
+    // Two small frames, one through the centres, and two samples. The ball's 20,480 triangles are more than the small
+    // picture's pixels.
     assert_eq!(
         (steps("visibility "), steps("irradiance "), steps("pixel_receivers ")),
         (Some("4"), Some("1"), None),

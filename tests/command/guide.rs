@@ -7,7 +7,7 @@ use std::process::Command;
 
 use milkglass::Scene;
 
-/// The tag of commands that take long, change the machine, or need files or devices that the test has not.
+/// The tag of commands that take long, change the machine, or need files or devices that the test lacks.
 const SLOW: &str = "sh slow";
 
 /// README and the pages of the guide.

@@ -1,4 +1,4 @@
-//! What takes long is said before it runs: rays towards many samples of lights, and long, thin triangles.
+//! The program announces what takes long: rays towards many samples of lights, and long, thin triangles.
 
 use std::f64::consts::TAU;
 use std::io::{BufRead, BufReader};
@@ -55,7 +55,7 @@ fn thin_triangles_are_named_before_they_take_minutes() {
     let line = "render fan.obj -o a.png --transport cdrf --size 1600x1200 --device cpu";
     let said = first_notice(&mut program(&folder, line)).unwrap();
     assert!(said.contains("visibility") && said.contains("long and thin"), "{said}");
-    // What is over in a moment is not announced, and an even mesh of as many triangles has no such neighbours.
+    // Short work is not announced, nor that of an even mesh of as many triangles, which has no such neighbours.
     let (_, err) = good(&folder, "solve few.obj -o a.csv --device cpu");
     assert!(!err.contains("long: "), "{err}");
     let (out, _) = good(&folder, "plan sphere --set object.0.detail=5 --device cpu");
@@ -83,10 +83,10 @@ fn a_plan_counts_rays() {
     let rows: Vec<_> = out.lines().filter(|line| line.contains("73 light samples")).collect();
     assert!(rows.len() == 2 && rows[0].contains("320 triangles x") && rows[1].contains("8,760,000"), "{out}");
     let rays = &plan(&folder, "a.toml")["rays"];
-    let of = |k: usize, key: &str| rays[k][key].as_f64().unwrap();
-    assert_eq!((of(0, "rays"), of(1, "rays"), of(2, "rays")), (320.0 * 73.0, 120_000.0, 120_000.0 * 73.0));
+    let number = |k: usize, key: &str| rays[k][key].as_f64().unwrap();
+    assert_eq!((number(0, "rays"), number(1, "rays"), number(2, "rays")), (320.0 * 73.0, 120_000.0, 120_000.0 * 73.0));
     // Every pixel whose ray descends shows the floor, which sends its rays to the sky upwards.
-    assert!((0.6..=1.0).contains(&of(2, "cast")), "{rays}");
+    assert!((0.6..=1.0).contains(&number(2, "cast")), "{rays}");
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn a_mesh_from_a_pipe_stands_in_the_studio() {
         assert!(told.contains("key, fill and back light"), "{told}");
         assert!(bytes(&here, "pipe.png") == bytes(&here, "file.png"), "{line}");
     }
-    // It is read again by those who make no picture, too.
+    // Commands that make no picture read a pipe, too.
     let output = sh(&here, "cat a.obj | \"$0\" scenes /dev/stdin; cat a.obj | \"$0\" plan /dev/stdin --device cpu");
     assert!(said(&output).0.contains("mesh = \"/dev/stdin\"") && output.status.success(), "{:?}", said(&output));
 }

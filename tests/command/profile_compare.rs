@@ -26,7 +26,7 @@ fn a_run_is_saved_and_compared() {
         let [low, value, high] = ["low", "value", "high"].map(|key| row["interval_ms"][key].as_f64().unwrap());
         assert!(low <= value && value <= high, "{row}");
     }
-    // Files alone, then a file with a run of now.
+    // Two files, then a file with a new run.
     let (out, _) = good(&here, "profile --compare a.json a.json");
     let verdict = match warm_up {
         0 => "no difference shows; a change of stages by ".to_string(),
@@ -97,7 +97,7 @@ fn another_build_is_timed_in_turn() {
             bad(&here, &line, 2, &["--against", "has no `profile --serve`", program]);
         }
     }
-    // What both builds refuse is said once, in their words.
+    // A refusal of both builds is printed once, in their words.
     let wrong = format!("profile sphere --set object.0.detale=1 --against {own}");
     bad(&here, &wrong, 2, &["detale"]);
 }
@@ -111,7 +111,7 @@ fn devices_stand_side_by_side() {
         assert!(out.contains(words), "{words}: {out}");
     }
     assert!(out.contains("hold together with 95 %") && !out.contains("undecided"), "{out}");
-    // What the budget cuts short is no verdict.
+    // A comparison that the budget cuts short has no verdict.
     let (out, err) = good(&here, &format!("profile {SMALL} --device cpu --device cpu --frames 20 --budget 0"));
     assert!(err.contains("--budget ends it after about 1 start, and all rows stay undecided"), "{err}");
     assert!(out.contains("cpu, run 2 against cpu: undecided: about ") && !out.contains("no difference"), "{out}");

@@ -9,10 +9,10 @@ const BALL: &str = "[camera]\nsize = [16, 12]\n[[object]]\nshape = 'sphere'\ndet
                     material = { preset = 'marble' }\n[[light]]\ntype = 'directional'\ndirection = [1, 1, 1]\n\
                     irradiance = 3\n[transport]\nreceivers = 'faces'\n";
 const KERNEL: &str = "transport/blocks/push";
-/// What the built-in kernel writes.
+/// The value that the built-in kernel writes, as its source has it.
 const VALUE: &str = "max(sum, vec3(0))";
 
-/// A folder with the ball, and the built-in kernel with these replacements, one a file.
+/// A folder with the ball and, in each of these files, the built-in kernel with the file's replacements.
 fn kernels(files: &[(&str, &[(&str, &str)])]) -> TempDir {
     let here = folder(&[("a.toml", BALL)]);
     let (text, _) = good(&here, &format!("shader {KERNEL}"));
@@ -75,7 +75,7 @@ fn a_kernel_may_have_specialization_constants_of_its_own() {
     ] {
         assert_eq!(conforms(&here, "own.comp", text), right, "{text}");
     }
-    // A case that is written down has the values, and none that a driver could set.
+    // A dumped case has the values as plain constants.
     constants(&here, "SCALE = 1.5");
     good(
         &here,
@@ -200,7 +200,7 @@ fn a_kernel_may_declare_what_the_device_has() {
             "half.comp",
             &[(version, &half), (VALUE, "float(min(float16_t(self.face + 1u), float16_t(1))) * max(sum, vec3(0))")],
         ),
-        // One that no feature of the program is for.
+        // A capability for which the program knows no feature.
         (
             "add.comp",
             &[(version, &add), ("void main() {", "shared float total;\nvoid main() {\n    atomicAdd(total, 1.0);")],
@@ -208,7 +208,7 @@ fn a_kernel_may_declare_what_the_device_has() {
     ]);
     let (out, err) = good(&here, &format!("profile a.toml --frames 2 --replace {KERNEL}=wide.comp"));
     assert!(out.contains("ratio") && err.contains("conform to the reference"), "{out}{err}");
-    // A case has the device opened so, too: the validation layer, where there is one, has nothing to say.
+    // A replay opens the device with the same features: the validation layer, where there is one, reports nothing.
     good(&here, &format!("dump push --fixture sliver -o case --no-validation --replace {KERNEL}=wide.comp"));
     let output = program(&here, "replay case").output().unwrap();
     let (out, err) = said(&output);

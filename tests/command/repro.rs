@@ -1,4 +1,4 @@
-//! `dump`, `conform --dump` and `replay`: what differs becomes files that repeat it.
+//! `dump`, `conform --dump` and `replay`: a stage that differs becomes files that repeat the difference.
 
 use std::path::Path;
 

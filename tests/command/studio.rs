@@ -67,7 +67,7 @@ fn the_studio_is_printed_as_a_scene_that_looks_the_same_and_exposed_for_what_it_
     let (_, err) = good(&here, "render studio.toml -o b.png --size 64x64");
     assert!(bytes(&here, "a.png") == bytes(&here, "b.png"), "{text}");
     assert!(text.contains("exposure = \"auto\"") && err.contains(", exposure "), "{err}");
-    // The brightest pixels of the object are just below white. Where the backdrop does not matter, the object is.
+    // The brightest pixels of the object are just below white. It covers the pixels that the backdrop does not change.
     for shade in [0, 1] {
         let flat = format!("camera.background={shade} --set camera.samples=1 --set camera.exposure=1");
         good(&here, &format!("render studio.toml -o {shade}.png --size 64x64 --transport none --set {flat}"));

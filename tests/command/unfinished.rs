@@ -1,4 +1,5 @@
-//! What does not end, by a hang, a crash or a signal, becomes a case that is replayed; and devices of the same name.
+//! A dispatch that does not end, by a hang, a crash or a signal, becomes a case that is replayed; and devices of the
+//! same name.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -18,7 +19,7 @@ fn only(here: &TempDir, name: &str) -> PathBuf {
     folder.join(&all[0])
 }
 
-/// Replays a dump with the faulty kernel, which must come to this, and with the sound one.
+/// Replays a dump with the faulty kernel, which must give this verdict, and with the sound one.
 fn replayed(here: &TempDir, name: &str, verdict: &str, why: &str) {
     let output = program(here, &format!("replay {name} --no-validation")).output().unwrap();
     let (out, err) = said(&output);
@@ -33,7 +34,7 @@ fn replayed(here: &TempDir, name: &str, verdict: &str, why: &str) {
 #[test]
 fn a_crash_becomes_a_case() {
     let here = folder(&[]);
-    // Shared memory far beyond its end, which llvmpipe reads.
+    // Reads far beyond the end of shared memory, which llvmpipe does not prevent.
     planted(&here, "crash.comp", "max(sum + wild(sum.x), vec3(0))");
     let text = std::fs::read_to_string(here.path().join("crash.comp")).unwrap();
     let wild = "shared float wide[64];\nfloat wild(float x) { wide[gl_LocalInvocationIndex] = x; barrier();\n\
@@ -95,7 +96,7 @@ fn a_step_leaves_the_case_of_all_that_it_may_not_end() {
     std::fs::create_dir(here.path().join("cases")).unwrap();
     let step = "conform --child --device llvmpipe --fixture sliver --stage push --no-validation --unfinished 0";
     good(&here, &format!("{step} --dump cases"));
-    // Before the dispatch, and before all of the step in one submission.
+    // A case written before the dispatch, and one before the whole step in one submission.
     assert_eq!(names(&here.path().join("cases")), ["0", "1"]);
     good(&here, "replay cases --no-validation");
 }
@@ -166,7 +167,7 @@ mod rare {
             "{files:?}"
         );
         replayed(&here, "d", "HUNG", "did not end within 3 s");
-        // The time is the reader's to change.
+        // The reader may change the time.
         let json = std::fs::read_to_string(case.join("replay.json")).unwrap();
         assert!(json.contains("\"seconds\": 3.0"), "{json}");
         std::fs::write(case.join("replay.json"), json.replace("\"seconds\": 3.0", "\"seconds\": -1.0")).unwrap();

@@ -56,7 +56,7 @@ fn the_walk_adds_and_multiplies_only() {
         assert!(found.is_empty(), "{kernel}: {found:?}");
         assert!(count > 0, "{kernel}");
     }
-    // One whose values are compared within a tolerance.
+    // A kernel whose values are compared within a tolerance.
     let words: Vec<u32> = bytemuck::pod_collect_to_vec(spirv("transport/walk/exit_radiosity").unwrap());
     assert!(!inexact(&words).0.is_empty());
 }

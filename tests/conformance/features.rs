@@ -1,4 +1,4 @@
-//! What only some frames have: stages and buffers, with a frame that has them and one that has not.
+//! Stages and buffers that only some frames have, each with a frame that has them and one that has not.
 
 use milkglass::internals::layout::{BufferId, LINK_KEPT, Runs};
 use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
@@ -281,7 +281,7 @@ fn shading() -> Vec<Feature> {
     ]
 }
 
-/// The fixture of lists that a second walk writes has some, and others that need none.
+/// The fixture of lists that a second walk writes has such lists, and others that need no second walk.
 #[test]
 fn some_lists_are_longer_than_what_is_kept() {
     let sets = ["object.0.detail=4", "object.0.size=40", "transport.tolerance=1e-5"];

@@ -144,7 +144,7 @@ fn cases() -> Vec<(String, Scene, Options)> {
     cases
 }
 
-/// One case in so many has to do usually: that is another scene and another way each time, but not each with each.
+/// Usually one case in this many runs: another scene and another way each time, but not every scene in every way.
 const SOME: usize = 15;
 
 /// Fingerprints of these cases on a device, or on the CPU.

@@ -25,7 +25,7 @@ fn opaque() -> [Fixture; 2] {
     })
 }
 
-/// What is found wrong with the kernel, this replaced.
+/// The faults that are found in the kernel with `part` replaced by `other`.
 fn faults(part: &str, other: &str) -> Vec<String> {
     let text = source(KERNEL).unwrap();
     assert!(text.contains(part));
@@ -47,7 +47,7 @@ fn faults(part: &str, other: &str) -> Vec<String> {
 fn writes_beyond_the_end_are_reported() {
     let more = "if (face == 0) radiosity[object_params[0].faces] = vec3(7);\n    if (face";
     let found = faults("if (face", more);
-    // Of an object in the middle they land between the objects' parts, else after the buffer's end.
+    // Writes for the middle object land between the objects' parts, those for the last one after the buffer's end.
     let has = |what: [&str; 2]| found.iter().any(|fault| what.iter().all(|part| fault.contains(part)));
     assert!(has(["opaque_faces of object 1", "beyond tolerance, 3 words: radiosity["]), "{found:?}");
     assert!(has(["opaque_faces of object 2", "wrote beyond the end of buffer radiosity"]), "{found:?}");

@@ -24,7 +24,7 @@ fn a_device_that_executes_nothing_is_refused() {
         refused(on_idle(|_| true, || Device::open(&instance, adapter)).err().unwrap());
         // From the second frame on, every dispatch is lost, or only the last one.
         for lost in [(|_| true) as fn(&str) -> bool, |kernel| kernel == EXECUTES] {
-            // Frames are recorded anew: what is lost is lost there.
+            // Frames are recorded anew: dispatches are lost while they are recorded.
             let anew = Choices { submissions: Submissions::Frame, ..Choices::default() };
             let device = Device::open_as(&instance, adapter, &anew).unwrap();
             let mut session = Session::new(&scene, Some(&device), Options::default()).unwrap();

@@ -42,7 +42,7 @@ fn a_profile_hangs_together() {
         let found = profile(&scene, Some(device), &Settings { frames: 3, ..Settings::default() }).unwrap();
         let rates = found.rates.expect("every driver of these tests has timestamps");
         assert!(rates.copy > 1e6 && rates.fma > 1e6 && rates.exp > 1e6, "{rates:?}");
-        // What other programs do meanwhile is not the profile's.
+        // Notes on other programs' load and on drift do not depend on the profile.
         let outside = |note: &&String| note.starts_with("other programs kept") || note.starts_with("drift: ");
         let own: Vec<_> = found.notes.iter().filter(|note| !outside(note)).collect();
         assert!(own.is_empty() && found.peak > 100_000, "{own:?}");
@@ -73,7 +73,7 @@ fn on_the_cpu_a_profile_has_times_only() {
     assert!(found.rates.is_none() && found.on_device.is_none() && found.wall.median > 0.0);
     assert!(found.rows.iter().all(|row| row.work.is_none() && row.device.is_none() && row.wall.median >= 0.0));
     assert!(found.rows.iter().any(|row| row.stage == "gather"));
-    // Other notes may be of drift and of other load.
+    // Further notes may tell of drift and of other programs' load.
     assert!(found.notes[0].starts_with("on the CPU"), "{:?}", found.notes);
 }
 

@@ -1,6 +1,5 @@
 //! Mutants by name: kernels that do nothing (`idle`), a bit flipped in a buffer after a stage (`flipped`), kernels
-//! whose results are multiplied by 1.00003 (`factor`). Each that `mutants.txt` lists must be noticed, and the list must
-//! have all that are.
+//! whose results are multiplied by 1.00003 (`factor`). `mutants.txt` must list exactly those that are noticed.
 
 use std::collections::BTreeSet;
 

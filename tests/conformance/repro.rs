@@ -1,4 +1,4 @@
-//! Every stage of some fixtures as a case: what a device did, it does again from the files alone.
+//! Every stage of some fixtures as a case: from the files alone a device does again what it did.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use milkglass::measure::repro::minimize::minimize;
 use milkglass::measure::repro::trace::{case, first_step};
 use milkglass::measure::repro::{Case, Part};
 
-/// The case of each stage of this fixture, but those that are done.
+/// Checks the case of each stage of this fixture, except those that are done.
 fn all(fixture: &Fixture, done: &mut BTreeSet<&'static str>, check: impl Fn(&Case)) {
     on_devices(|device| {
         for stage in STAGES.iter().filter(|stage| !done.contains(stage.name)) {
@@ -22,7 +22,7 @@ fn all(fixture: &Fixture, done: &mut BTreeSet<&'static str>, check: impl Fn(&Cas
             for (part, left) in case.buffers.iter().zip(case.run(device).unwrap()) {
                 assert_eq!(part.device, left, "{}: {}", stage.name, part.name);
             }
-            // As little as it takes does the same.
+            // The minimized case does the same.
             let least = minimize(&case, device).unwrap();
             assert!(least.bytes() <= case.bytes() && least.replay(device, 1).unwrap().passes(), "{}", stage.name);
             let touched = least.bytes() < case.bytes();

@@ -71,15 +71,15 @@ fn near(a: &[[f64; 3]], b: &[[f64; 3]]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-5))
 }
 
-/// The sums with the apex of the first part here, and the second part moved by so much.
+/// The sums with the apex of the first part at `apex`, and the second part moved by `z` along z.
 fn expected(apex: [f64; 2], z: f64) -> Vec<[f64; 3]> {
-    let of = |apex: [f64; 2], shift: [f64; 2]| {
+    let part = |apex: [f64; 2], shift: [f64; 2]| {
         let places = [[1.0, 0.0, 0.0], [-1.0, 0.0, 1.0], [-1.0, 0.0, -1.0], [apex[0], apex[1], 0.0]];
         let places = places.map(|[x, y, z]: [f64; 3]| [x + shift[0], y, z + shift[1]]);
         [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]
             .map(|corners| [0, 1, 2].map(|k| corners.map(|c| places[c][k]).iter().sum()))
     };
-    [of(apex, [0.0; 2]), of([0.0, 2.0], [5.0, z])].concat()
+    [part(apex, [0.0; 2]), part([0.0, 2.0], [5.0, z])].concat()
 }
 
 #[test]

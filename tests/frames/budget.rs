@@ -1,4 +1,4 @@
-//! Form factors within a budget: what waits after motion or another material, and that it is made up for.
+//! Form factors within a budget: how many wait after motion or another material, and that later frames compute them.
 
 use super::incremental::{at, links, open, radiosity, step};
 use crate::devices;

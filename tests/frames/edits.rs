@@ -10,7 +10,7 @@ use milkglass::scene::Scene;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 
-/// What can be edited, and what it can be: settings, one after the other.
+/// The knobs: for each, the settings that it can be at.
 const KNOBS: &[&[&[&str]]] = &[
     &[&["light.0.direction=[0.3, 0.4, 1]"], &["light.0.direction=[-1, 0.2, 0.4]"], &["light.0.direction=[0, 0, -1]"]],
     &[
@@ -69,11 +69,11 @@ const KNOBS: &[&[&[&str]]] = &[
 /// The knob of `two_sided`.
 const TWO_SIDED: usize = 7;
 
-/// What all scenes have.
+/// Settings of all scenes.
 const BASE: &[&str] =
     &["object.0.size=20", "object.1.shape='slab'", "object.1.detail=2", "object.1.size=18", "transport.tolerance=1e-2"];
 
-/// What a knob is at.
+/// The settings of a knob at a number.
 fn setting(knob: usize, at: usize) -> &'static [&'static str] {
     KNOBS[knob][at % KNOBS[knob].len()]
 }
@@ -87,7 +87,7 @@ fn scene(scheme: &str, extra: &[&str], at: &[usize]) -> Scene {
     Scene::load_with("sphere", &sets).unwrap()
 }
 
-/// All that a frame gives.
+/// The results of a frame.
 struct Outcome {
     pixels: Vec<[f32; 3]>,
     shown: Vec<u8>,
@@ -102,20 +102,20 @@ impl Outcome {
         assert!(shown == picture.bytes(), "the host's curve and the stage `tone` differ");
         session.fetch(&[BufferId::irradiance, BufferId::radiosity]).unwrap();
         let state = session.state();
-        // By face: what lies between the objects is not part of it.
+        // By face: values between the objects' parts do not count.
         let by_face = |values: &[[f32; 3]]| {
             let lit = |object: &&Object| !object.by_pixel && object.lit_by_face();
-            let own = |object: &Object| {
+            let faces_of = |object: &Object| {
                 let first = object.first.faces;
                 values.get(first..first + object.count.faces).unwrap_or_default().to_vec()
             };
-            state.objects.iter().filter(lit).flat_map(own).collect()
+            state.objects.iter().filter(lit).flat_map(faces_of).collect()
         };
         let (irradiance, radiosity) = (by_face(&state.data.irradiance), by_face(&state.data.radiosity));
         Self { pixels: picture.pixels, shown, irradiance, radiosity }
     }
 
-    /// What differs.
+    /// The names of the results that differ.
     fn apart(&self, other: &Self) -> Vec<&'static str> {
         let same = [
             ("picture", self.pixels == other.pixels),
@@ -152,7 +152,7 @@ fn follow(
     Ok(())
 }
 
-/// What frames are made by: scheme, settings, transport, mode.
+/// The ways of making frames: scheme, settings, transport, mode.
 const WAYS: &[(&str, &[&str], ShadingMethod, Mode)] = &[
     ("blocks", &["transport.receivers='faces'"], ShadingMethod::Hierarchy, Mode::OnTheFly),
     ("blocks", &["transport.receivers='faces'"], ShadingMethod::Hierarchy, Mode::Render),

@@ -30,7 +30,7 @@ pub fn step(session: &mut Session, scene: &Scene) -> Vec<String> {
     session.frame(Change::default()).unwrap().into_iter().map(|part| part.name).collect()
 }
 
-/// Radiosity of all faces, without what lies between the objects.
+/// Radiosity of all faces, without the values between the objects' parts.
 pub fn radiosity(session: &mut Session) -> Vec<[f32; 3]> {
     session.fetch(&[BufferId::radiosity]).unwrap();
     let state = session.state();

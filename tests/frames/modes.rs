@@ -189,13 +189,13 @@ fn an_edit_runs_what_it_touches() {
     let picture = Options { goal: Goal::Picture, ..RENDER };
     let fly = Options { mode: Mode::OnTheFly, ..picture };
 
-    // How light spreads, in one of the two objects: what comes before transport stays, and so does the other object.
+    // Coefficients of one of the two objects: the stages before transport stay, and so does the other object.
     let spread = ["coarse_solve", "acceptance_radii", "link", "gather", "push", "average"];
     assert_eq!(after(&["object.1.material.scale=2"], fly), [&spread[..], &["shade"]].concat());
     let kept = ["coarse_solve", "irradiance_ratio", "acceptance_radii", "link", "gather", "push", "average"];
     assert_eq!(after(&["object.1.material.scale=2"], picture), [&kept[..], &["shade"]].concat());
 
-    // The camera runs what sees, and nothing runs for how the picture is shown.
+    // The camera runs the stages that depend on the view; exposure and tone run nothing.
     assert_eq!(after(&["camera.position=[0, 0, 50]"], fly), ["visibility", "shade"]);
     for shown in ["camera.exposure=2", "camera.tone=filmic"] {
         assert_eq!(after(&[shown], fly), [""; 0], "{shown}");

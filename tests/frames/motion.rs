@@ -269,7 +269,7 @@ fn a_frame_of_another_shape_deforms_nothing_on_the_host() {
         moving.show(&twist(3.0)).unwrap();
         moving.frame(Change::default()).unwrap();
         assert!(moving.state().data.positions == before, "the host has deformed the vertices");
-        // Until they are asked for.
+        // The host has them once they are fetched.
         moving.fetch(&[BufferId::positions, BufferId::normals]).unwrap();
         let fresh = Session::new(&twist(3.0), None, Options::default()).unwrap();
         assert!(moving.state().data.positions == fresh.state().data.positions);

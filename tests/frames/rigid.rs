@@ -7,7 +7,7 @@ use milkglass::internals::layout::BUFFER_IDS;
 use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::internals::session::run::Session;
 
-/// Two objects, of which the second lies there.
+/// Two objects, the second with this rotation and position.
 fn two(more: &[&str], rotation: &str, position: &str) -> milkglass::Scene {
     let base = [
         "object.0.detail=2",
@@ -16,8 +16,8 @@ fn two(more: &[&str], rotation: &str, position: &str) -> milkglass::Scene {
         "transport.receivers=faces",
         "light.0.shadows=false",
     ];
-    let place = [format!("object.1.rotation={rotation}"), format!("object.1.position={position}")];
-    scene("sphere", &[&base[..], &[&place[0], &place[1]], more].concat())
+    let placement = [format!("object.1.rotation={rotation}"), format!("object.1.position={position}")];
+    scene("sphere", &[&base[..], &[&placement[0], &placement[1]], more].concat())
 }
 
 fn run(scene: &milkglass::Scene, device: Option<&Device>, mode: Mode) -> Session {
@@ -32,16 +32,16 @@ fn a_moved_object_has_the_same_clusters_links_and_form_factors() {
     let same = |device: Option<&Device>| {
         for (scheme, mode) in [("links", Mode::Keep), ("blocks", Mode::Render)] {
             let scheme = format!("transport.scheme={scheme}");
-            let of = |rotation: &str, position: &str| {
+            let placed = |rotation: &str, position: &str| {
                 let scene = two(&[&scheme], rotation, position);
                 let mut session = run(&scene, device, mode);
                 session.fetch(BUFFER_IDS).unwrap();
                 session
             };
-            let (one, other) = (of("[10, 20, 30]", "[12, 3, 0]"), of("[-70, 45, 5]", "[11, -6, 4]"));
+            let (one, other) = (placed("[10, 20, 30]", "[12, 3, 0]"), placed("[-70, 45, 5]", "[11, -6, 4]"));
             assert!(one.state().data.placed_positions != other.state().data.placed_positions, "nothing moved");
             for object in 0..2 {
-                // What lies between the objects is not part of them.
+                // Values between the objects' parts do not count.
                 let [a, b] = [&one, &other].map(|session| session.state().alone(object).data);
                 assert!(a.positions == b.positions && a.clusters == b.clusters && a.spheres == b.spheres, "{scheme}");
             }

@@ -195,8 +195,8 @@ fn an_environment_shines_from_where_it_is_bright() {
 #[test]
 fn a_black_light_does_not_march() {
     let black = "light.1={ type = 'point', position = [0, 30, 0], intensity = 0 }";
-    let of = |more: &[&str]| session(&scene("sphere", &[&SMALL[..], &[LAYERS], more].concat()), Options::default());
-    let (mut one, mut two) = (of(&[]), of(&[black]));
+    let opened = |more: &[&str]| session(&scene("sphere", &[&SMALL[..], &[LAYERS], more].concat()), Options::default());
+    let (mut one, mut two) = (opened(&[]), opened(&[black]));
     assert_eq!((one.state().data.layer_lights.len(), two.state().data.layer_lights.len()), (1, 1));
     assert!(picture(&mut one) == picture(&mut two));
 }

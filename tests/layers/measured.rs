@@ -22,8 +22,8 @@ fn ours_with_ten_samples_beats_the_left_rule_with_a_hundred() {
         [(scene("slab-layers", &FLAT), small(24), 2e-3, 2e-2), (scene("fish", &[]), fish, 2e-2, 0.45)]
     {
         let lines = rules(&scene, None, &[10, 100], looks, 1).unwrap();
-        let of = |rule, samples| lines.iter().find(|line| line.rule == rule && line.samples == samples).unwrap();
-        let (ours, theirs) = (of(Integration::Exact, 10), of(Integration::Paper, 100));
+        let line = |rule, samples| lines.iter().find(|line| line.rule == rule && line.samples == samples).unwrap();
+        let (ours, theirs) = (line(Integration::Exact, 10), line(Integration::Paper, 100));
         assert!(ours.integration < theirs.integration, "{lines:?}");
         assert!(ours.integration < integration, "{lines:?}");
         // On a plane the march makes no approximation.

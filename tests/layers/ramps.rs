@@ -51,7 +51,7 @@ fn square(more: &[&str]) -> Scene {
     scene
 }
 
-/// Of each pixel the place on the square, the unit direction to the eye, and its value.
+/// For each pixel the place on the square, the unit direction to the eye, and its value.
 fn seen(session: &mut Session) -> Vec<(DVec3, DVec3, [f64; 3])> {
     let picture = session.picture().unwrap();
     let data = &session.state().data;

@@ -20,9 +20,9 @@ const LEFT: [f64; 2] = [9.0, 7.0];
 const RIGHT: [f64; 2] = [64.0, 30.0];
 const SIZE: [u32; 2] = [180, 120];
 
-/// A square of 20 mm facing +y, viewed obliquely across its middle, in one piece or as two islands. `of` is the depth
-/// at x and z from -0.5 to 0.5.
-fn square(whole: bool, of: impl Fn(f64, f64) -> f64) -> Scene {
+/// A square of 20 mm facing +y, viewed obliquely across its middle, in one piece or as two islands; with its depth at x
+/// and z from -0.5 to 0.5.
+fn square(whole: bool, depth_at: impl Fn(f64, f64) -> f64) -> Scene {
     let layers = "object.0.material={ layers = { samples = 24, layer = [\
         { sigma_s = 2, sigma_t = 2.2, thickness = 1 }, { sigma_s = 0.3, sigma_t = 3, g = 0.3, thickness = 1 }] } }";
     let sets = [
@@ -54,11 +54,11 @@ fn square(whole: bool, of: impl Fn(f64, f64) -> f64) -> Scene {
         let (u, v) = (f64::from(k % size[0]) + 0.5, f64::from(k / size[0]) + 0.5);
         let half = |[u0, v0]: [f64; 2], [w, h]: [f64; 2]| u > u0 && v > v0 && u < u0 + w && v < v0 + h;
         if whole {
-            of(u / SIDE - 0.5, v / SIDE - 0.5)
+            depth_at(u / SIDE - 0.5, v / SIDE - 0.5)
         } else if half(LEFT, [SIDE / 2.0, SIDE]) {
-            of((u - LEFT[0]) / SIDE - 0.5, (v - LEFT[1]) / SIDE - 0.5)
+            depth_at((u - LEFT[0]) / SIDE - 0.5, (v - LEFT[1]) / SIDE - 0.5)
         } else if half(RIGHT, [SIDE, SIDE / 2.0]) {
-            of((v - RIGHT[1]) / SIDE, 0.5 - (u - RIGHT[0]) / SIDE)
+            depth_at((v - RIGHT[1]) / SIDE, 0.5 - (u - RIGHT[0]) / SIDE)
         } else {
             0.0
         }
@@ -99,8 +99,8 @@ fn seen(scene: &Scene, ignored: bool) -> Vec<f64> {
 }
 
 /// The largest difference between the square in one piece and in two, relative to the mean of the first.
-fn apart(of: impl Fn(f64, f64) -> f64 + Copy, ignored: bool) -> f64 {
-    let (a, b) = (seen(&square(true, of), false), seen(&square(false, of), ignored));
+fn apart(depth_at: impl Fn(f64, f64) -> f64 + Copy, ignored: bool) -> f64 {
+    let (a, b) = (seen(&square(true, depth_at), false), seen(&square(false, depth_at), ignored));
     let mean = a.iter().sum::<f64>() / a.len() as f64;
     assert!(mean > 0.0 && a.len() > 300 && a.len() == b.len(), "{mean} {}", a.len());
     a.iter().zip(&b).map(|(a, b)| (a - b).abs() / mean).fold(0.0, f64::max)

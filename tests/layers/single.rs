@@ -11,7 +11,7 @@ use milkglass::scene::Scene;
 
 use super::{scene, session};
 
-/// Only what is scattered once is in the picture.
+/// Options of pictures that hold only light scattered once.
 fn alone() -> Options {
     Options { transport: ShadingMethod::None, ..Options::default() }
 }
@@ -131,17 +131,17 @@ fn a_ball_without_refraction_is_its_integral() {
                 let s = chord * (f64::from(k) + 0.5) / f64::from(steps);
                 let place = place - s * eye;
                 let (toward, light) = arrives(&lamp, place);
-                let of = |c: usize| {
+                let radiance = |c: usize| {
                     let dimmed = (-sigma_t[c] * (s + leaves(place, toward))).exp();
                     sigma_s[c] * phase(true, g[c], toward.dot(eye)) * light * dimmed
                 };
-                DVec3::new(of(0), of(1), of(2)) * chord / f64::from(steps)
+                DVec3::new(radiance(0), radiance(1), radiance(2)) * chord / f64::from(steps)
             };
             let expected: DVec3 = (0..steps).map(at).sum();
             errors += (found - expected) * (found - expected);
             sizes += expected * expected;
         }
-        // What the steps, and the triangles of the ball, leave.
+        // The error left by the steps, and by the triangles of the ball.
         let error = (errors / sizes).max_element().sqrt();
         println!("{light}: {error:.1e}");
         assert!(error < 0.02, "{light}: {error}");

@@ -42,7 +42,7 @@ impl Body {
         let normals = faces.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).normalize()).collect();
         let mut sum = 0.0;
         let sums = light.into_iter().map(|light| (sum += light, sum).1).collect();
-        let mut own: Vec<usize> = (0..faces.len()).collect();
+        let mut order: Vec<usize> = (0..faces.len()).collect();
         let mut body = Self {
             nodes: Vec::new(),
             sums,
@@ -53,7 +53,7 @@ impl Body {
             normals,
             faces,
         };
-        body.split(&mut own);
+        body.split(&mut order);
         (body.low, body.cell) = (body.nodes[0].low, (body.nodes[0].high - body.nodes[0].low) / SIDE as f64);
         let center = |k: usize| {
             let at = DVec3::new((k % SIDE) as f64, (k / SIDE % SIDE) as f64, (k / SIDE / SIDE) as f64);
@@ -66,17 +66,17 @@ impl Body {
     }
 
     /// Appends the tree of these triangles.
-    fn split(&mut self, own: &mut [usize]) {
-        let corners = || own.iter().flat_map(|&face| self.faces[face]);
+    fn split(&mut self, faces: &mut [usize]) {
+        let corners = || faces.iter().flat_map(|&face| self.faces[face]);
         let (low, high) = (corners().fold(DVec3::MAX, DVec3::min), corners().fold(DVec3::MIN, DVec3::max));
         let place = self.nodes.len();
-        self.nodes.push(Node { low, high, next: 0, face: (own.len() == 1).then(|| own[0]) });
-        if own.len() > 1 {
+        self.nodes.push(Node { low, high, next: 0, face: (faces.len() == 1).then(|| faces[0]) });
+        if faces.len() > 1 {
             let size = high - low;
             let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
             let middle = |face: usize| self.faces[face].iter().map(|corner| corner[axis]).sum::<f64>();
-            own.sort_by(|&a, &b| middle(a).total_cmp(&middle(b)));
-            let (one, other) = own.split_at_mut(own.len() / 2);
+            faces.sort_by(|&a, &b| middle(a).total_cmp(&middle(b)));
+            let (one, other) = faces.split_at_mut(faces.len() / 2);
             self.split(one);
             self.split(other);
         }
@@ -173,7 +173,7 @@ impl Body {
         (0.0, flights)
     }
 
-    /// Walks so many photons of each of these media, a multiple of 100, on all cores; the mean weight with which they
+    /// Walks this many photons of each of these media, a multiple of 100, on all cores; the mean weight with which they
     /// left, and the mean of their flights.
     pub fn walk(&self, media: [(f64, f64, f64); 3], photons: u64, seed: u64) -> (f64, f64) {
         let parts = (0..3 * photons / 100).into_par_iter().map(|part| {

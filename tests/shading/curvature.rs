@@ -37,8 +37,8 @@ fn scanned(mut ball: Scene, amplitude: f64) -> Scene {
 /// kappa times the radius, 10 mm, at every vertex: smoothed if `smooth`.
 fn bends(session: &Session, smooth: bool) -> Vec<f64> {
     let (data, length) = (&session.state().data, session.units().length);
-    let of = |v: usize| if smooth { kappa(data, v) } else { data.curvature[v].kappa };
-    (0..data.curvature.len()).map(|v| 10.0 * length * f64::from(of(v))).collect()
+    let kappa_at = |v: usize| if smooth { kappa(data, v) } else { data.curvature[v].kappa };
+    (0..data.curvature.len()).map(|v| 10.0 * length * f64::from(kappa_at(v))).collect()
 }
 
 /// The root mean square difference of two lists, relative to the second.

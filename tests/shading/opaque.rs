@@ -121,17 +121,17 @@ fn a_frame_after_a_change_is_a_new_sessions() {
 #[test]
 fn what_nobody_asks_for_has_no_stage() {
     let session = |sets: &[&str], options| run(&scene(sets), None, options);
-    let of = |session: &Session| {
+    let stages_run = |session: &Session| {
         let names: Vec<&str> = session.plan().stages.iter().map(|stage| stage.name).collect();
         let has = |name: &str| names.contains(&name);
         (has("pixel_shadow"), has("shade_opaque"), has("opaque_faces"))
     };
     let picture = Options::default();
-    assert_eq!(of(&session(&[], picture)), (true, true, false));
-    assert_eq!(of(&session(&["light.0.shadows=false"], picture)), (false, true, false));
-    assert_eq!(of(&session(&["transport.receivers=faces"], picture)), (false, false, true));
-    assert_eq!(of(&session(&["object.1.material={ preset = 'marble' }"], picture)), (false, false, false));
-    assert_eq!(of(&session(&[], Options { goal: Goal::Radiosity, ..picture })), (false, false, true));
+    assert_eq!(stages_run(&session(&[], picture)), (true, true, false));
+    assert_eq!(stages_run(&session(&["light.0.shadows=false"], picture)), (false, true, false));
+    assert_eq!(stages_run(&session(&["transport.receivers=faces"], picture)), (false, false, true));
+    assert_eq!(stages_run(&session(&["object.1.material={ preset = 'marble' }"], picture)), (false, false, false));
+    assert_eq!(stages_run(&session(&[], Options { goal: Goal::Radiosity, ..picture })), (false, false, true));
 
     // If everything is opaque, no lighting is evaluated per triangle.
     let all = session(&["object.0.material={ opaque = true }"], picture);

@@ -90,8 +90,8 @@ fn whichever_are_fewer() {
 
 #[test]
 fn what_is_not_wanted_is_not_there() {
-    let of = |receivers: &str| drawn(&scene("sphere", &[SMALL[0], "object.0.detail=2", receivers]), Options::default());
-    let (pixels, faces) = (of("transport.receivers=pixels"), of("transport.receivers=faces"));
+    let at = |receivers: &str| drawn(&scene("sphere", &[SMALL[0], "object.0.detail=2", receivers]), Options::default());
+    let (pixels, faces) = (at("transport.receivers=pixels"), at("transport.receivers=faces"));
     let has = |session: &Session, name: &str| session.plan().stages.iter().any(|stage| stage.name == name);
     assert!(has(&pixels, "pixel_receivers") && !has(&pixels, "average"));
     assert!(!has(&faces, "pixel_receivers") && has(&faces, "average"));

@@ -105,10 +105,10 @@ fn a_smooth_ball_is_near_the_dipole() {
     let [blurred, carried, lambert] = [BLUR, ShadingMethod::Hierarchy, ShadingMethod::Lambert]
         .map(|transport| run(&ball, transport).picture().unwrap().pixels);
     let apart = |a: &[[f32; 3]]| {
-        let of = |f: &dyn Fn(f64, f64) -> f64| {
+        let sum_of = |f: &dyn Fn(f64, f64) -> f64| {
             a.iter().flatten().zip(carried.iter().flatten()).map(|(a, b)| f(f64::from(*a), f64::from(*b))).sum::<f64>()
         };
-        (of(&|a, b| (a - b).powi(2)) / of(&|_, b| b * b)).sqrt()
+        (sum_of(&|a, b| (a - b).powi(2)) / sum_of(&|_, b| b * b)).sqrt()
     };
     let (blurred, lambert) = (apart(&blurred), apart(&lambert));
     println!("{blurred} {lambert}");

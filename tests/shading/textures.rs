@@ -57,14 +57,14 @@ fn half_a_texture_is_half_the_light() {
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn what_enters_through_a_texture_and_its_complement_adds_up() {
     let tiles = ball(&["object.0.material.texture=builtin:tiles"]).objects[0].material.texture.clone().unwrap();
-    let of = |turn: fn(f32) -> f32| {
+    let tinted = |turn: fn(f32) -> f32| {
         let texels = tiles.texels.iter().map(|texel| texel.map(turn)).collect();
         Some(Texture::new(tiles.size, texels, Side::Entry, Wrap::Repeat))
     };
     for transport in [ShadingMethod::Hierarchy, ShadingMethod::Brute, ShadingMethod::Octree] {
         let run = |texture| drawn(&painted(texture), Options { transport, ..Options::default() });
         let [all, some, rest] =
-            [None, of(|x| x), of(|x| 1.0 - x)].map(|texture| run(texture).state().data.radiosity.clone());
+            [None, tinted(|x| x), tinted(|x| 1.0 - x)].map(|texture| run(texture).state().data.radiosity.clone());
         let (mut error, mut size) = (0.0, 0.0);
         for (k, all) in all.as_flattened().iter().enumerate() {
             error += (some.as_flattened()[k] + rest.as_flattened()[k] - all).powi(2);

@@ -84,8 +84,8 @@ fn a_picture_of_it_is_that_of_a_fine_one_at_pixels() {
         session.picture().unwrap().pixels
     };
     let (own, exact) = (picture(&coarse), picture(&fine));
-    let sum = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
-        (0..exact.len()).map(|k| (0..3).map(|c| of(k, c).powi(2)).sum::<f64>()).sum()
+    let sum = |value: &dyn Fn(usize, usize) -> f64| -> f64 {
+        (0..exact.len()).map(|k| (0..3).map(|c| value(k, c).powi(2)).sum::<f64>()).sum()
     };
     let off = sum(&|k, c| f64::from(own[k][c]) - f64::from(exact[k][c]));
     let l2 = (off / sum(&|k, c| f64::from(exact[k][c]))).sqrt();
@@ -182,7 +182,7 @@ fn smooth_and_fine_shapes_stay_as_they_are_and_so_do_those_with_a_detail() {
     for detail in ["object.0.detail=0", "object.0.detail=4"] {
         assert!(!divided(Scene::load_with("sphere", &[detail.into()]).unwrap(), false), "{detail}");
     }
-    // Receivers at faces alone divide: the window's drafts have them.
+    // Receivers at faces do not prevent a division by themselves: the window's drafts have them.
     let mut draft = coarse();
     draft.transport.receivers = Receivers::Faces;
     assert!(divided(draft, false));

@@ -74,7 +74,7 @@ fn share_of_harmonic(detail: u32, l: i32, depth: f64) -> f64 {
     let own = ["boundary_integrals", "krylov_step", "krylov_sum"];
     steps.iter().filter(|step| own.contains(&step.stage.name)).for_each(|step| step.reference(&mut state));
     let areas = areas(&state.data);
-    let sum = |of: &dyn Fn(usize) -> f64| (0..faces).map(|face| areas[face] * light[face] * of(face)).sum::<f64>();
+    let sum = |f: &dyn Fn(usize) -> f64| (0..faces).map(|face| areas[face] * light[face] * f(face)).sum::<f64>();
     sum(&|face| f64::from(state.data.solution[face][0])) / sum(&|face| light[face])
 }
 
@@ -139,8 +139,9 @@ fn the_double_layer_of_a_closed_surface_is_minus_one_half() {
         let session = solved(&scene("sphere", &sets));
         let (data, nodes) = (&session.state().data, legendre(12));
         let faces = data.triangles.len();
-        let of = |face: usize| (0..faces).map(|emitter| pair(data, [emitter, face], 0, false, &nodes)[1]).sum::<f64>();
-        let worst = (0..faces).into_par_iter().map(|face| (of(face) + 0.5).abs()).reduce(|| 0.0, f64::max);
+        let layer_at =
+            |face: usize| (0..faces).map(|emitter| pair(data, [emitter, face], 0, false, &nodes)[1]).sum::<f64>();
+        let worst = (0..faces).into_par_iter().map(|face| (layer_at(face) + 0.5).abs()).reduce(|| 0.0, f64::max);
         assert!(worst < 1e-4, "{shape}: {worst}");
     }
 }
@@ -161,8 +162,8 @@ fn a_clear_object_is_solved_to_its_tolerance() {
         let data = &session.state().data;
         let areas = areas(data);
         for c in 0..3 {
-            let sum = |of: &dyn Fn(usize) -> f32| -> f64 {
-                areas.iter().enumerate().map(|(face, area)| area * f64::from(of(face))).sum()
+            let sum = |value: &dyn Fn(usize) -> f32| -> f64 {
+                areas.iter().enumerate().map(|(face, area)| area * f64::from(value(face))).sum()
             };
             let (left, light) = (sum(&|face| data.solution[face][c]), sum(&|face| data.deposits[face].light[c]));
             println!("channel {c}: {:.1e}", left / light - 1.0);
@@ -174,8 +175,8 @@ fn a_clear_object_is_solved_to_its_tolerance() {
 /// The distance of a solution from that of the dense system, relative, in one channel.
 pub(super) fn off(data: &Buffers, c: usize, wanted: &[f64]) -> f64 {
     let areas = areas(data);
-    let norm = |of: &dyn Fn(usize) -> f64| {
-        areas.iter().enumerate().map(|(face, area)| area * of(face).powi(2)).sum::<f64>().sqrt()
+    let norm = |value: &dyn Fn(usize) -> f64| {
+        areas.iter().enumerate().map(|(face, area)| area * value(face).powi(2)).sum::<f64>().sqrt()
     };
     norm(&|face| f64::from(data.solution[face][c]) - wanted[face]) / norm(&|face| wanted[face])
 }
@@ -246,11 +247,11 @@ fn tolerances_are_met_against_the_dense_system() {
                 let quality = |session: &Session| {
                     let data = &session.state().data;
                     let faces = 0..data.triangles.len();
-                    let of = |values: &[[f32; 3]], face: usize| values[face].map(f64::from);
+                    let at = |values: &[[f32; 3]], face: usize| values[face].map(f64::from);
                     let off =
-                        |face: usize| [0, 1, 2].map(|c| (of(&data.radiosity, face)[c] - known[c][face].max(0.0)).abs());
+                        |face: usize| [0, 1, 2].map(|c| (at(&data.radiosity, face)[c] - known[c][face].max(0.0)).abs());
                     let errors: Vec<[f64; 3]> = faces.clone().map(off).collect();
-                    let estimates: Vec<[f64; 3]> = faces.clone().map(|face| of(&data.estimate, face)).collect();
+                    let estimates: Vec<[f64; 3]> = faces.clone().map(|face| at(&data.estimate, face)).collect();
                     Quality::of(&vec![1.0; faces.len()], &estimates, &errors)
                 };
                 let own = quality(&session);

@@ -69,7 +69,7 @@ fn the_plan_says_why() {
     for stage in ["gather", "push", "deposit", "krylov_step"] {
         assert!(stages.contains(&stage), "{stage} of {stages:?}");
     }
-    // Nobody has it.
+    // No object has diffusion.
     let dark = scene(&["object.0.material={ sigma_s_prime = 0.01, sigma_a = 1 }"]);
     let session = self::session(&dark, ShadingMethod::Auto, Mode::OnTheFly, None);
     assert!(!session.plan().stages.iter().any(|stage| stage.name == "krylov_step"));

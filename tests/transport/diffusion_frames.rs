@@ -35,11 +35,11 @@ fn frame(session: &mut Session, lights: &[Light]) -> (usize, Vec<[f64; 3]>) {
 
 /// The relative L2 of the worst channel; triangles of a ball are about equal.
 fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    let of = |c: usize| {
+    let relative = |c: usize| {
         let off: f64 = a.iter().zip(b).map(|(a, b)| (a[c] - b[c]).powi(2)).sum();
         (off / b.iter().map(|b| b[c] * b[c]).sum::<f64>()).sqrt()
     };
-    (0..3).map(of).fold(0.0, f64::max)
+    (0..3).map(relative).fold(0.0, f64::max)
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What blocks drop: too faint by the oracle's law, and in the estimate of the error.
+//! Emitters that blocks drop: they are too faint by the oracle's law, and in the estimate of the error.
 
 use glam::DVec3;
 use milkglass::internals::dipole::profile::Dipole;
@@ -70,7 +70,7 @@ fn the_estimate_holds_the_light_that_is_dropped() {
     assert_eq!(state.objects[0].groups.len(), 1, "lists are those of the last group");
     let data = &state.data;
     let params = data.object_params[0];
-    // Of each block the faces that are on none of its lists, and their light at a place.
+    // For each block the faces that are on none of its lists, and their light at a place.
     let left: Vec<Vec<usize>> = data
         .runs
         .iter()

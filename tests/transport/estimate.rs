@@ -256,7 +256,7 @@ mod rare {
                 // In a dense ball the faint light beyond the terminator comes from one side, so that nothing cancels.
                 let least = if scale == usual { 0.99 } else { 0.95 };
                 assert!(quality.covered >= least, "{apart} at {tolerance}, {scale}: {quality:?}");
-                // A share of the radiosity, so too large where neighbours' errors cancel.
+                // The estimate is a share of the radiosity, so it is too large where neighbours' errors cancel.
                 assert!(
                     quality.ratio < if scale == usual { 30.0 } else { 200.0 },
                     "{apart} at {tolerance}: {quality:?}"

@@ -63,7 +63,7 @@ fn on_a_plane_it_is_exact() {
             assert!(data.borders[node][1] >= 4);
             let below = node..place.skip as usize;
             let faces: Vec<u32> = below.map(|k| data.topology[k].face).filter(|&face| face != NONE).collect();
-            // From a face of its own, from one beyond its border, and from off the plane.
+            // Seen from a face of its own, from one beyond its border, and from off the plane.
             let size = f64::from(cluster.area).sqrt();
             let own = wide(data.clusters[data.leaves[faces[0] as usize] as usize].center);
             for x in [own, own + DVec3::new(1.3, 0.2, 0.1) * size, own + DVec3::new(0.3, -0.4, 0.9) * size] {

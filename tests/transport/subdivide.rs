@@ -13,7 +13,7 @@ fn scene(sets: &[&str]) -> Scene {
     let mut all =
         vec!["object.0.detail=12", "light.0={ type = 'directional', direction = [0.2, 0.3, 1], irradiance = 3 }"];
     all.push("object.0.size=20");
-    // Not where triangles are long against the mean free path.
+    // Triangles stay, though they are long against the mean free path.
     all.push("transport.receivers='faces'");
     // A slanted plate above part of the slab: its shadow border crosses triangles in all directions.
     all.push(
@@ -65,11 +65,11 @@ fn exact(scene: &Scene) -> Vec<[f64; 3]> {
 fn error(scene: &Scene, values: &[[f64; 3]], exact: &[[f64; 3]]) -> f64 {
     let mesh = &scene.objects[0].mesh;
     let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
-    let of = |c: usize| {
+    let relative = |c: usize| {
         let sum = |f: &dyn Fn(usize) -> f64| (0..values.len()).map(|k| area(k) * f(k) * f(k)).sum::<f64>();
         (sum(&|k| values[k][c] - exact[k][c]) / sum(&|k| exact[k][c])).sqrt()
     };
-    (0..3).map(of).fold(0.0, f64::max)
+    (0..3).map(relative).fold(0.0, f64::max)
 }
 
 #[test]
@@ -104,8 +104,8 @@ fn the_estimate_knows_what_a_border_still_misses() {
         let [mut errors, mut estimates, mut missed] = [const { Vec::new() }; 3];
         for (&part, exact) in parts.middle.iter().zip(exact(&scene)) {
             let place = places[part as usize];
-            let of = |values: &[[f32; 3]]| values[place].map(|x| f64::from(x) * light);
-            let (value, own) = (of(&data.radiosity), of(&data.estimate));
+            let row = |values: &[[f32; 3]]| values[place].map(|x| f64::from(x) * light);
+            let (value, own) = (row(&data.radiosity), row(&data.estimate));
             errors.push([0, 1, 2].map(|c| (value[c] - exact[c]).abs()));
             estimates.push([0, 1, 2].map(|c| own[c].hypot(session.missed(place)[c])));
             missed.push(own);

@@ -43,7 +43,7 @@ impl Frame for Session {
 pub(super) const SUN: &str = "light=[{ type = 'directional', direction = [0, 0, 1], irradiance = 1, shadows = false }]";
 pub(super) const SKY: &str = "light=[{ type = 'environment', radiance = 1 }]";
 
-/// Integers in, integers out.
+/// In each channel as much light goes as came, counted in integers.
 pub(super) fn balances(state: &State) {
     for channel in 0..3 {
         let own = || state.data.balances.iter().skip(channel).step_by(3);

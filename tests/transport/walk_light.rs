@@ -66,7 +66,7 @@ fn a_device_without_round_to_nearest_is_told() {
         let told = caveat(&lesser, options()).unwrap();
         assert!(told.starts_with(device.name()) && told.contains("rounding to nearest"), "{told}");
         assert_eq!(caveat(&lesser, milkglass::Options::default()), None, "of other methods conform speaks");
-        // Truth says it through whoever listens.
+        // `Truth` tells its listener.
         let control = WalkControl { tell: Some(heard), ..WalkControl::default() };
         HEARD.set(None);
         Truth::walk(&scene(&["object.0.detail=1", SUN, "transport.walks=9"]), Some(&lesser), control).unwrap();

@@ -58,7 +58,7 @@ fn an_animation_steps_plays_and_stops() {
     let (third, bright) = at("{ key = 'n' }, { key = 'n' }, { key = 'n' }, { key = 'N' }, { key = 'n' }");
     assert_eq!((first, third), (0.0, 3.0));
     assert!(dark != bright, "the frame is not shown");
-    // Without a loop it stops at its last frame, whole.
+    // If it does not begin again, it stops at its last frame, whole.
     let (last, _) = at("{ key = 'b' }, { key = 'space' }, { frames = 1 }");
     assert_eq!(last, 40.0);
 }

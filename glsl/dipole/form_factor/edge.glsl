@@ -1,7 +1,7 @@
 // The form factor of a triangle by its three edges: Green's theorem, then Gauss-Legendre quadrature in w = tan(psi/2),
 // where psi is the angle at the source between the foot of the edge and a point on it (equation 13 made free of
-// cancellation). Needs only square root, division and exp, whose precision Vulkan bounds. Per channel.
-// The includer has NODES: 3, 6 or 12. Divisors are kept from 0 by 1e-37: a device may flush a denormal such as 1e-38.
+// cancellation). It needs only square root, division and exp, whose precision Vulkan bounds. Vectors run over channels.
+// The includer has NODES: 3, 6 or 12. Divisors are at least 1e-37: a device may flush a denormal such as 1e-38.
 const uint FIRST_NODE = NODES - 3;
 const float NODE[21] = float[21](-0.774596669241, 0.0, 0.774596669241,
     -0.932469514203, -0.661209386466, -0.238619186083, 0.238619186083, 0.661209386466, 0.932469514203,
@@ -13,7 +13,7 @@ const float WEIGHT[21] = float[21](0.555555555556, 0.888888888889, 0.55555555555
     0.249147045813, 0.233492536538, 0.203167426723, 0.160078328543, 0.106939325995, 0.047175336387);
 
 // Half of the least value of (1 - w)(1 + w) for a w below 1 in f32. Where an edge points past the foot, w is 1 but for
-// the rounding of a division, which devices choose: it must not make a thin difference of two of them count.
+// the rounding of a division, which differs between devices: a tiny difference of two such w must not count.
 const float LEAST_GAP = 6e-8;
 
 // (1 - e^{-x}) / x for x >= 0.
@@ -64,7 +64,7 @@ vec3 edge_form(vec3 sigma, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, vec3 f
     float rim = inside ? 0.0 : nearest;
     vec3 s_m = mix(h, sqrt(h * h + rim * rim), lessThan(h, vec3(rim)));
     vec3 sum = vec3(0);
-    // Edge after edge, by turning the corners: as one piece of code, which is long to compile.
+    // The corners are rotated, so that one copy of the code serves all edges: it takes long to compile.
     for (uint e = 0; e < 3; ++e) {
         bool swapped = id.x > id.y;
         vec3 p = swapped ? b : a, q = swapped ? a : b;
@@ -79,8 +79,8 @@ vec3 edge_form(vec3 sigma, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, vec3 f
         c = first;
         id = id.yzx;
     }
-    // The integrand is positive. Where the edges of a sliver cancel to less than their rounding, that may not show:
-    // then nothing is nearest to the truth. (No max(): it may turn what is not a number into 0.)
+    // The integrand is positive. Where the edges of a sliver cancel to less than their rounding, the sum may not be:
+    // then 0 is nearest to the truth. (No max(): it may turn NaN into 0.)
     sum = mix(sum, vec3(0), lessThan(sum, vec3(0)));
     return exp(-sigma * s_m) / s_m * sum;
 }

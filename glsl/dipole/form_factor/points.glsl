@@ -1,5 +1,5 @@
-// Symmetric area rules of 3, 6 and 12 points (degrees 2, 4 and 6; Dunavant 1985): barycentric weights, then the
-// sample's.
+// Symmetric area rules of 3, 6 and 12 points (degrees 2, 4 and 6; Dunavant 1985): a point's barycentric coordinates,
+// then its weight.
 const uint RULE_FIRST[3] = uint[3](0, 3, 9);
 const uint RULE_COUNT[3] = uint[3](3, 6, 12);
 const vec4 RULE[21] = vec4[21](

@@ -1,5 +1,5 @@
 // The form factor of a cluster: the polygon that its triangles make on the plane through `center`, across `normal`
-// (section 5.1.1), by the edges of its border. The includer reads positions and border_edges, and has edge_integral.
+// (section 5.1.1), by the edges of its border. The includer reads positions and border_edges, and includes `edge.glsl`.
 
 // An end of an edge, relative to the receiver's foot on the plane.
 vec3 projected(uint vertex, vec3 receiver, vec3 normal) {
@@ -38,6 +38,6 @@ vec3 polygon_form(uint first, uint count, vec3 receiver, vec3 normal, vec3 sigma
         of_virt += edge_integral(sigma, R, dot(p, u), dot(q, u), virt, rim, virt_m);
     }
     vec3 sum = z_real * (exp(-sigma * real_m) / real_m) * of_real + z_virtual * (exp(-sigma * virt_m) / virt_m) * of_virt;
-    // Where the cluster folds over, or rounding is all that is left.
+    // The sum may be negative where the cluster folds over, or where only rounding is left.
     return mix(sum, vec3(0), lessThan(sum, vec3(0)));
 }

@@ -1,20 +1,21 @@
-// Uniform point samples of a triangle: how many, and where. A decision, so exact: one product, and integers.
+// Uniform point samples of a triangle: how many, and where. These are decisions, so they are exact: one product, and
+// integers.
 const uint ONE = 1u << SAMPLE_BITS;
 
-// One for each disc of a mean free path.
+// One sample for each disc whose radius is a mean free path.
 uint sample_count(float area, float density) {
     precise float wanted = area * density;
     return wanted < float(MOST_SAMPLES) ? max(uint(ceil(wanted)), 1) : MOST_SAMPLES;
 }
 
-// A number whose every bit depends on every bit of x.
+// A hash: each of its bits depends on every bit of x.
 uint mixed(uint x) {
     x = (x ^ x >> 16) * 0x7feb352du;
     x = (x ^ x >> 15) * 0x846ca68bu;
     return x ^ x >> 16;
 }
 
-// Barycentric coordinates of sample k of a face; one alone stands at the centroid.
+// Barycentric coordinates of sample k of a face; a single sample stands at the centroid.
 vec3 sample_place(uint face, uint k, uint count) {
     if (count == 1) return vec3(1.0 / 3.0);
     uint first = mixed(mixed(face) ^ k);

@@ -12,7 +12,7 @@ UPDATES(bounds)
 UPDATES(clusters)
 #include "geometry/refit/way.glsl"
 
-// The part over the whole; one half if the whole is 0: triangles may vanish in single precision.
+// `part` / `whole`, or one half if `whole` is 0: triangles may vanish in single precision.
 float share(float part, float whole) { return whole > 0.0 ? part / whole : 0.5; }
 
 void main() {

@@ -23,7 +23,7 @@ void main() {
         sum += clusters[leaf].normal;
         area += clusters[leaf].area;
     }
-    // What is left of a sum that vanishes is rounding.
+    // Of a sum that vanishes only rounding is left.
     if (length(sum) <= 1e-5 * area) sum = own;
     float size = length(sum);
     normals[vertex] = size > 0.0 ? sum / size : vec3(0);

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The vertices of a cluster, from its two children; one level a dispatch.
+// The moments of a cluster's vertices from its two children's; one level a dispatch.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(topology)
 READS(order)

@@ -66,7 +66,7 @@ void main() {
 
     if (node < object_params[0].nodes) cut_short[0] = 1;
 
-    // The axes of their second moments, by rotating pair after pair of axes.
+    // The axes of the vertices' second moments, by rotating pair after pair of axes.
     float trace = sum.diagonal.x + sum.diagonal.y + sum.diagonal.z;
     vec3 d = vec3(0, 0, 1), m = vec3(0), x = vec3(1, 0, 0), y = vec3(0, 1, 0), z = vec3(0, 0, 1);
     if (trace > 0.0) {
@@ -92,7 +92,7 @@ void main() {
         }
     }
 
-    // Its normal is the axis of least moment, as far as the vertices determine it.
+    // The plane's normal is the axis of least moment, as far as the vertices determine it.
     vec3 axis = d.x < d.y ? (d.x < d.z ? x : z) : (d.y < d.z ? y : z);
     float least = max(min(d.x, min(d.y, d.z)), 0.0), most = max(d.x, max(d.y, d.z));
     float middle = max(d.x + d.y + d.z - least - most, 1e-30);

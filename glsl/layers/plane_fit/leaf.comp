@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The vertices that belong to a triangle: those around which it is the first.
+// The moments of the vertices that a triangle owns: those whose list of triangles it heads.
 READS(object_params)
 READS(positions)
 READS(triangles)

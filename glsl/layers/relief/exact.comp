@@ -5,8 +5,8 @@
 #include "layers/beneath.glsl"
 #include "layers/segment.glsl"
 
-// Light scattered once beneath each visible point: from sample to sample, and to each interface between them, in closed
-// form. One loop for all lights, a part of the ray at a time.
+// Light scattered once beneath each visible point: in closed form from sample to sample, and to each interface between
+// them. One loop goes over all lights and, for each, over the parts of the ray.
 
 void main() {
     uint pixel = first_pixel + invocation();
@@ -27,7 +27,7 @@ void main() {
     int step = -1;                         // -1: nothing has been looked at for this light
     bool next = true;
     while (beam < last_beam) {
-        // The next step, at first one of no length at the surface.
+        // Goes to the next step; the first one has no length, at the surface.
         bool fresh = next && step < 0;
         step += int(next);
         float to = pace * float(step), from = fresh ? to : pace * float(step - 1);
@@ -49,7 +49,7 @@ void main() {
         }
         done = next ? 0.0 : done;
 
-        // As far as the next interface on the way, or the step's end.
+        // Goes as far as the next interface on the way, or the step's end.
         uint target = now < last ? now : now - 1;
         float a = 0.0, b = 0.0; // its depths at the step's ends
         for (uint map = 0; map < MAPS; ++map) {
@@ -68,7 +68,7 @@ void main() {
             for (uint map = 0; map < MAPS; ++map) here[map] = mix(before[map], after[map], share);
         }
 
-        // The light there, and between the last place and this.
+        // The light that arrives there, and the light scattered between the last place and this one.
         Layer layer = layer_media[own.first_layer + min(now, own.layers - 1)];
         Light light = layer_lights[beam];
         Lit lights = lit_at(own, m, object, light, hit.face, t, here);
@@ -78,7 +78,7 @@ void main() {
         vec3 scattered = segment(arrived_before * phases.x, lights.arrives * phases.y, start, end, tau_here - tau);
         if (!fresh && now < own.layers) sum += light.color * layer.sigma_s * walked * scattered;
 
-        // On.
+        // Moves on.
         arrived_before = lights.arrives;
         cosine_before = lights.cosine;
         start = end;

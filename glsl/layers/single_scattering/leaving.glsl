@@ -1,7 +1,7 @@
 // Where a ray leaves its object: the nearest triangle that it passes outward. Decisions only.
 
-// Rounding may put the origin just outside: triangles count from a little behind it. The distance is numerator /
-// denominator, in multiples of `direction`.
+// Rounding may put the origin just outside, so triangles count from a little behind it. The distance is
+// numerator / denominator, in multiples of `direction`.
 Nearest leaving(uint object, vec3 origin, vec3 direction) {
     Nearest nearest = Nearest(NONE, vec3(0), 0.0, 1.0);
     Sight ray = sight(direction);
@@ -22,7 +22,7 @@ Nearest leaving(uint object, vec3 origin, vec3 direction) {
             precise float mine = found.numerator * nearest.denominator;
             precise float its = nearest.numerator * found.denominator;
             bool nearer = nearest.face == NONE || mine < its || (mine == its && box.face < nearest.face);
-            // How far the origin is below the plane, and how much of it rounding explains.
+            // The origin counts as inside if it is no farther above the plane than rounding explains.
             precise float least = SINGLE_MARGIN * (size.x + size.y + size.z);
             bool inside = found.numerator > 0.0 || dot3(a, normal) > -least;
             if (found.face != NONE && inside && dot3(direction, normal) > 0.0 && nearer) {

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// One light at one sample of each view ray: where it enters on its way there, and what is scattered towards the eye
-// between this sample and the last one.
+// One light at one sample of each view ray: where the light enters on its way there, and how much is scattered towards
+// the eye between the previous sample and this one.
 layout(constant_id = 0) const uint SHADOWS = 0;
 layout(push_constant, scalar) uniform push_block { uint number, beam, sample_number, first_pixel, last_pixel; };
 READS(object_params)
@@ -63,7 +63,7 @@ void main() {
     if (entry.face == UNFINISHED) cut_short[0] = 1;
     bool enters = entry.face < UNFINISHED && (far || entry.numerator < entry.denominator);
 
-    // What arrives, and the length of its way in the medium.
+    // The light that arrives, and the length of its way in the medium.
     vec3 arrives = vec3(0), eye = camera[0].origin - point, normal = BLEND_AT(weight, placed_normals, corner);
     eye /= sqrt(max(dot(eye, eye), 1e-30));
     normal /= sqrt(max(dot(normal, normal), 1e-30));

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Along the rows of a sheet.
+// Blurs a sheet along its rows.
 READS(irradiance_maps)
 WRITES(blurred_rows)
 #define AXIS 0

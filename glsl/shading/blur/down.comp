@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Down the columns of the sheet that is blurred along its rows: gives the next sheet.
+// Blurs the sheet that is blurred along its rows down its columns, which gives the next sheet.
 READS(blurred_rows)
 UPDATES(irradiance_maps)
 #define AXIS 1

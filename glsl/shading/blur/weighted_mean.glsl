@@ -1,5 +1,4 @@
-// A texel of a sheet as the mean along its row (AXIS 0) or column (AXIS 1), weighted by a Gaussian; FETCH(k) reads
-// texel k.
+// The mean along a texel's row (AXIS 0) or column (AXIS 1), weighted by a Gaussian; FETCH(k) reads texel k.
 layout(push_constant, scalar) uniform push_block { uint number, level; };
 READS(unwrappings)
 READS(texel_hits)
@@ -13,7 +12,7 @@ vec4 mean(Unwrapping own, uint k) {
     bool round = own.round[AXIS] != 0;
     precise float length_here = stretch[own.first + k][AXIS], deviation = gaussians[GAUSSIANS * number + level].w;
 
-    // The stride between taps, and the number of taps on each side: decisions, by powers of two times the length.
+    // The stride between taps, and the number of taps on each side: decisions, by powers of two times a texel's length.
     const vec4 POWERS = vec4(1, 2, 4, 8);
     vec4 near = POWERS * length_here;
     vec4 few = step(32.0 * POWERS, vec4(side - 1)), many = step(512.0 * POWERS, vec4(side - 1));
@@ -28,7 +27,7 @@ vec4 mean(Unwrapping own, uint k) {
     vec4 sum = vec4(0);
     int tap = -reach, place = at + tap * pace, turn = round ? side : 0;
     if (round) place -= side * int(floor(float(place) / float(side)));
-    // Rounding may leave it one side off.
+    // Rounding may leave the place one side off.
     if (round) place = place < 0 ? place + side : place >= side ? place - side : place;
     do {
         float distance = float(tap) * rate, weight = exp2(-distance * distance);

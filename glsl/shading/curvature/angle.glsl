@@ -1,5 +1,5 @@
-// The angle of (x, y) from the x axis, from -pi to pi; not both are 0. Within 2e-7, and of small angles a relative 2e-7
-// (Cephes' atanf); drivers' own may be 4096 ULP off, or wrong if x is 0.
+// The angle of (x, y) from the x axis, from -pi to pi; not both are 0. The error is below 2e-7, and of small angles a
+// relative 2e-7 (Cephes' atanf); drivers' own functions may be 4096 ULP off, or wrong if x is 0.
 float angle_of(float y, float x) {
     float across = abs(y), along = abs(x), small = min(across, along), large = max(max(across, along), 1e-37);
     bool upper = small > 0.41421356 * large;

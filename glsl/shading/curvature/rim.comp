@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Vertices not surrounded by triangles: the mean over their triangles' other corners with a curvature of their own.
+// Curvature of vertices not surrounded by triangles: the mean over the corners of their triangles that have their own.
 READS(object_params)
 READS(triangles)
 READS(corner_starts)
@@ -21,7 +21,7 @@ void main() {
     for (uint i = 2 * corner_starts[vertex]; i < 2 * corner_starts[vertex + 1]; ++i) {
         uvec3 corner = turned(triangles[corners[i / 2]], first + vertex);
         uint other = (i % 2 == 0 ? corner.y : corner.z) - first;
-        // Unknown ones may be written at the same time; they do not count.
+        // Corners without a curvature of their own may be written at the same time; they do not count.
         bool counts = curvature[other].area > 0.0;
         if (counts) sum += vec3(curvature[other].kappa, curvature[other].mean, curvature[other].gaussian);
         count += counts ? 1.0 : 0.0;

@@ -3,10 +3,10 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Curvature of a vertex from the triangles around it. The angle deficit is a small difference of large sums. It is
+// Curvature of a vertex from the triangles around it. The angle deficit is a small difference of large numbers. It is
 // summed triangle by triangle instead, as the increase of each angle by projection along the normal. Projected angles
-// add up to full turns; the plain sum gives their number, and serves alone if an edge runs along the normal: at sharp
-// rims, where the deficit is not small.
+// add up to full turns; the plain sum gives their number, and serves alone if an edge runs nearly along the normal, as
+// at sharp rims, where the deficit is not small.
 READS(object_params)
 READS(positions)
 READS(triangles)
@@ -37,7 +37,7 @@ void main() {
         after += mark(corner.y);
         before += mark(corner.z);
         vec3 b = positions[corner.y], c = positions[corner.z], u = b - a, w = c - a, e = c - b;
-        // Whether it has an area is a decision; a fused operation would turn rounding into an area.
+        // Whether the triangle has an area is a decision; a fused operation would turn rounding into an area.
         precise vec3 n = u.yzx * w.zxy - u.zxy * w.yzx;
         precise float square = n.x * n.x + n.y * n.y + n.z * n.z;
         bool whole = square > FLAT_TRIANGLE;

@@ -11,8 +11,8 @@ READS(leaves)
 READS(curvature)
 WRITES(curvature_sums)
 
-// The share of a vertex's measures that each of its triangles takes: area, integral of H, integral of K. The vertex
-// counts from the object's first.
+// The share of a vertex's measures that each of its triangles takes: area, integral of H, integral of K. Vertices are
+// counted from the object's first.
 vec3 part_of(uint vertex) {
     Curvature bend = curvature[vertex];
     float share = bend.area / float(corner_starts[vertex + 1] - corner_starts[vertex]);

@@ -1,4 +1,4 @@
-// Repeats a piece of code for each channel `c` of the group, a bit of the specialization constant CHANNELS each.
+// Repeats a piece of code for each channel `c` of the group: the bits of the specialization constant CHANNELS.
 #define EACH_CHANNEL(code) \
     if ((CHANNELS & 1u) != 0) { const uint c = 0; code } \
     if ((CHANNELS & 2u) != 0) { const uint c = 1; code } \

@@ -1,5 +1,5 @@
 // The distance between source and centroid beyond which chi = tau q2(sigma s) / (2 s^2) stays below a limit in every
-// channel, with q2(a) <= 15 + 5a + a^2; a channel counts up to sigma s = FAINTEST. The includer reads frame.
+// channel, with q2(a) <= 15 + 5a + a^2; a channel counts up to sigma s = FAINTEST. The includer reads `object_params`.
 float chi_distance(float trace, float limit) {
     float tau = max(trace, 1e-30), farthest = 0.0;
     for (uint channel = 0; channel < 3; ++channel) {

@@ -1,5 +1,6 @@
-// What the transport may miss at a receiver, squared; the CPU reference gives the reasons. `p` is the profile
-// with its derivatives, times the cluster's weight; `tau` the trace of the cluster's second moments.
+// Squares of what the transport may miss at a receiver, but for `missed_dropped`, which the caller squares; the CPU
+// reference gives the reasons. `p` is the profile with its derivatives, times the cluster's weight; `tau` is the trace
+// of the cluster's second moments.
 
 float squared(float x) { return x * x; }
 
@@ -15,7 +16,7 @@ float missed_moments(uint order, float sigma, vec3 p, float unit, float tau) {
     return squared(p.x * min(share, 1.0) * nearer(sigma, tau));
 }
 
-// At a block's radius.
+// The expansion's error at the block's radius.
 float missed_bend(vec3 p, float unit, float radius) {
     float chi = unit * radius * radius;
     return squared(p.x * 0.4 * chi * sqrt(chi) / (1.0 + 0.4 * chi));

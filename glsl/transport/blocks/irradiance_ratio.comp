@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The least step of a fourth of an octave by which the level has to be raised to reach the light that enters, per
+// The least factor, in steps of a fourth of an octave, that raises the reference level to the light that enters, per
 // channel. One invocation. Decisions only.
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(object_params)

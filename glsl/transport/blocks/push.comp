@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// B of a receiver: what it received itself, and its block's expansion at its position. A negative sum is clamped, and
-// counts as error. Channels of no group are black.
+// B of a receiver: the light that it received itself, and its block's expansion at its position. A negative sum is
+// clamped, and counts as error. Channels that are in no group are black.
 layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = 0) const uint ALIVE = 7;
 layout(constant_id = 1) const uint ESTIMATE = 0;

@@ -1,6 +1,6 @@
-// A tree's walk that the invocations of a group share: those that visit a node take it from the ones that wait, and
-// add its children to them. What is found is sorted, so that neither the number of invocations nor their order shows.
-// With LANES = 1 an invocation has an item of its own, and walks alone.
+// A walk over a tree that the invocations of a group share: each takes one of the waiting nodes, visits it, and adds
+// its children to those that wait. The results are sorted, so that they depend neither on the number of invocations nor
+// on their order. With LANES = 1 each invocation has an item of its own, and walks alone.
 layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = LANES_ID) const uint LANES = 1; // invocations that share an item: 1, or all those of the group
 
@@ -9,24 +9,23 @@ uint item() {
     return LANES == 1 ? group * gl_WorkGroupSize.x + gl_LocalInvocationIndex : group;
 }
 
-// Nodes that are noted, and that wait to be visited, together: where there are more, one invocation walks alone.
+// Room for the words that are noted and the nodes that wait, together: if there are more, one invocation walks alone.
 const uint POOL = 1536;
-// Levels of a tree that are left room for once many wait.
+// Once many nodes wait, room is left for a way down of this many levels.
 const uint DEEPEST = 128;
-// What was found, from the front; nodes that wait, from the back. Small, so that many groups run at once.
+// Words that were found, from the front; nodes that wait, from the back. Small, so that many groups run at once.
 shared uint pool[POOL];
 shared uint found_count;
 shared uint pushed[3];
 
 uint found(uint k) { return pool[k]; }
 
-// What the includer does with a node: it returns its second child to visit both; else 0, and a word to be noted unless
-// that is NONE.
+// What the includer does with a node: it returns the second child to have both visited; else 0, with a word to be
+// noted, or NONE.
 uint visit(uint node, out uint word);
 
-// For all invocations of the group, from the root. False where not all that was found is noted, as the pool might have
-// been too small.
-// `cut` where not all was visited, either: the driver has ended the loop, or the tree is too deep.
+// All invocations of the group walk from the root. Returns false if the pool may have been too small for all words.
+// `cut`: not all nodes were visited, either: the driver has ended the loop, or the tree is too deep.
 bool walk_together(out bool cut) {
     uint self = gl_LocalInvocationIndex, top = 1;
     bool noted = true;
@@ -37,7 +36,8 @@ bool walk_together(out bool cut) {
     }
     barrier();
     for (uint round = 0; top > 0 && top < POOL; ++round) {
-        // Each that is visited makes room for one of its two children. Once many wait, few go on: way down is left.
+        // A visited node makes room for one of its two children. Once many wait, few are visited at a time: that leaves
+        // room for the way down.
         uint room = POOL - top, taken = min(top, min(LANES, room > DEEPEST ? room - DEEPEST : 1));
         noted = noted && found_count + taken <= room - taken;
         uint node = self < taken ? pool[POOL - top + self] : 0;
@@ -62,8 +62,8 @@ bool walk_together(out bool cut) {
     return noted && !cut;
 }
 
-// Sorts the words that were found, for all invocations of the group: Batcher's bitonic sort, turned so that the smaller
-// word always goes to the front, and words beyond the last need not be there.
+// Sorts the words that were found, by all invocations of the group: Batcher's bitonic sort, arranged so that the
+// smaller word always goes to the front, and words beyond the last need not exist.
 void sort_found(uint count) {
     for (uint run = 2; run < 2 * count; run *= 2) {
         for (uint apart = run / 2; apart > 0; apart /= 2) {

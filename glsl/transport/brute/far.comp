@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "dipole/near.glsl"
 
-// Every face of a range that is far enough for one sample, to every face of another range.
+// Sums at every face of one range the faces of another range that are far enough for one sample.
 layout(push_constant, scalar) uniform push_block { Range range; Range emitters; };
 READS(object_params)
 READS(topology)

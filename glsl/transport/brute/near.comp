@@ -7,7 +7,7 @@
 #define NODES 6
 #include "dipole/form_factor/edge.glsl"
 
-// Every face of a range that is too near for one sample, by the edge form, added to every face of another range.
+// Adds at every face of one range, by the edge form, the faces of another range that are too near for one sample.
 layout(push_constant, scalar) uniform push_block { Range range; Range emitters; };
 READS(object_params)
 READS(leaves)
@@ -27,7 +27,7 @@ void main() {
     vec3 sum = vec3(0);
     uint face = emitters.first, end = emitters.first + emitters.count;
     while (face < end) {
-        // Look for the next near face; both variables change under a condition only, which every driver gets right.
+        // Looks for the next near face; both variables change only under a condition, which every driver gets right.
         uint found = NONE;
         while (found == NONE && face < end) {
             bool near = distance2(center, clusters[leaves[face]].center) < reach[face].x;

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Where the light that enters each triangle collides first, and how much of it: a ray a light, and one for the
-// environment.
+// Where the light that enters each triangle collides first, and how much of it does: one ray for each light, and one
+// for the environment.
 layout(constant_id = 0) const uint SHADOWS = 0;
 layout(constant_id = 1) const uint SKY = 0;
 READS(object_params)
@@ -24,7 +24,8 @@ WRITES(deposits)
 #include "transport/walk/entered.glsl"
 #include "transport/walk/hit.glsl"
 
-// The share of light that collides within `tau` mean free paths and, in these, the mean depth of where it does.
+// The share of light that collides within `tau` mean free paths, and the mean depth of its collisions, in mean free
+// paths.
 vec2 collides(float tau) {
     float fall = exp(-tau);
     float share = tau < 0.05 ? tau * (1.0 - tau * (0.5 - tau * (1.0 / 6.0 - tau / 24.0))) : 1.0 - fall;
@@ -58,7 +59,7 @@ void main() {
     for (uint i = 0; i <= object_params[0].lights; ++i) {
         bool sky = i == object_params[0].lights;
         if (sky && SKY == 0) break;
-        // Channels of one index share a direction, and its ray.
+        // Channels with the same index of refraction share a direction, and its ray.
         vec3 known_way = vec3(0);
         float known = 0.0;
         for (uint channel = 0; channel < 3; ++channel) {

@@ -30,13 +30,13 @@ void add_part(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, fl
 }
 
 // The inverse of sinh. Vulkan promises log(x + sqrt(x^2 + 1)) for the built-in one, which cancels for negative numbers.
-// What is clamped needs the most parts of an edge by far.
+// Numbers that are clamped give an edge the most parts anyway.
 vec3 odd_asinh(vec3 x) {
     vec3 size = min(abs(x), vec3(1e18));
     return sign(x) * log(size + sqrt(size * size + 1.0));
 }
 
-// Adds both integrals over one edge; of an elongated triangle in parts of even width in asinh(t / S).
+// Adds both integrals over one edge; an elongated triangle's edges are taken in parts of even width in asinh(t / S).
 void add_edge(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, float t2, float h, float rim, float s_m,
               bool elongated) {
     float S = sqrt(R * R + h * h);
@@ -53,7 +53,7 @@ void add_edge(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, fl
 }
 
 // Both layers of the triangle a b c (relative to the receiver), whose unit normal is `normal`; `height` is the
-// receiver's over the plane, 0 at the triangle's own place.
+// receiver's height over the plane, 0 for the triangle itself.
 void layers_of_triangle(vec3 k, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, float height,
                         out vec3 single, out vec3 twice) {
     vec3 foot = -height * normal;
@@ -83,7 +83,7 @@ void layers_of_triangle(vec3 k, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, f
         single += swapped ? -one : one;
         twice += swapped ? -two : two;
     }
-    // Both integrands are positive; what cancels in a sliver may not be.
+    // Both integrands are positive; sums that cancel in a sliver may not be.
     vec3 fall = 0.0795774715 * exp(-k * s_m);
     single = fall * mix(single, vec3(0), lessThan(single, vec3(0)));
     twice = s_m > 0.0 ? fall * (height / s_m) * mix(twice, vec3(0), lessThan(twice, vec3(0))) : vec3(0);

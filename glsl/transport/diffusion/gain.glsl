@@ -1,6 +1,6 @@
-// What errors of clusters count relative to: what the integral operator makes of even light on a ball of this area, at
-// least over the channels, where that is little: 1/2 + D + S/z_b with x = k R, S = R phi1(2x), phi1(x) = (1 - e^-x)/x,
-// D = (e^-2x - 2 phi1(2x))/2. Errors of clusters count relative to it.
+// The gain that errors of clusters count relative to: what the integral operator makes of even light on a ball of this
+// area, the least over the channels: 1/2 + D + S/z_b with x = k R, S = R phi1(2x), phi1(x) = (1 - e^-x)/x,
+// D = (e^-2x - 2 phi1(2x))/2. It is divided by GAIN_OF_ONE and clamped to LEAST_GAIN to 1.
 float layer_gain(float area) {
     float radius = sqrt(area * 0.0795774715), least = 1e30;
     for (uint c = 0; c < 3; ++c) {

@@ -1,6 +1,6 @@
 // A cluster's layers on the surface, seen from afar: a charge w, a first moment U and a second moment Y of the kernel
 //   g(s) = e^(-k s) / (4 pi s):  w g - U.grad g + Y : grad grad g - (Q, U) : grad grad grad g / 2,
-// where Q is the mean square of the cluster's area about its middle. All vectors run over the channels. The includer
+// where Q is the second moment of the cluster's area about its middle. All vectors run over the channels. The includer
 // reads the four buffers of layers, `second_moments` and `object_params`.
 #include "transport/diffusion/kernel.glsl"
 
@@ -14,7 +14,7 @@ Layers layers_of(uint node) {
                   products.x, products.y, products.z);
 }
 
-// What a cluster's layers give at a place; `x`, `y`, `z` run from their middle to it, over the channels.
+// The value of a cluster's layers at a place; `x`, `y`, `z` run from their middle to it, in each channel.
 vec3 layers_at(Layers m, SecondMoments area, Kernel kernel, vec3 x, vec3 y, vec3 z) {
     x *= kernel.by_s; y *= kernel.by_s; z *= kernel.by_s;
     vec3 along = m.ux * x + m.uy * y + m.uz * z;

@@ -1,8 +1,7 @@
-// Light that near triangles deposit, which is a single layer at a depth of its own in each channel. Decisions are
-// exact.
+// Light that near triangles deposit: a single layer, at its own depth in each channel. Decisions are exact.
 #include "dipole/near.glsl"
 
-// Whether a triangle's light is too near to a place for area points, in any channel.
+// Whether a triangle's light is too near to a place for area points in some channel.
 bool too_near(vec3 x, vec3 center, Deposit deposit, float area_distance) {
     precise vec3 red = center + deposit.red, green = center + deposit.green, blue = center + deposit.blue;
     precise float reach = max(area_distance, 0.0), reach2 = reach * reach;

@@ -1,4 +1,4 @@
-// Single layer of a triangle by its edges, at a depth of its own in each channel; the integrals are those of
+// The single layer of a triangle by its edges, at its own depth in each channel; the integrals are those of
 // `edges.glsl`. All vectors run over the channels, but for places and the normal.
 
 // Adds the integral over a part of one edge, without its factors.
@@ -20,7 +20,7 @@ void add_part_of_source(inout vec3 sum, vec3 k, vec3 R, vec3 t1, vec3 t2, vec3 h
 
 vec3 dot_each(vec3 each[3], vec3 way) { return vec3(dot(each[0], way), dot(each[1], way), dot(each[2], way)); }
 
-// The triangle's corners and its middle are relative to the receiver; `depth` moves them, in each channel.
+// The triangle's corners and its middle are relative to the receiver; `depth` shifts them in each channel.
 vec3 single_at_depths(vec3 k, vec3 corner[3], vec3 middle, vec3 depth[3], vec3 normal) {
     vec3 height = -(dot(middle, normal) + dot_each(depth, normal));
     vec3 moved[3] = vec3[3](depth[0] + height.x * normal, depth[1] + height.y * normal, depth[2] + height.z * normal);

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Every link of each receiver of a chunk waits for its form factor.
+// Marks every link of each receiver of a chunk as waiting for its form factor.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(order)
 READS(spans)

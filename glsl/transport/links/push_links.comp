@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// B of a face is what was gathered at its leaf and at every cluster above it.
+// B of a face is the sum of the light gathered at its leaf and at every cluster above it.
 READS(object_params)
 READS(topology)
 READS(leaves)

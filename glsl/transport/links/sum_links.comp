@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// What a node gathers at its own links: the emitters' irradiance times the form factors, in the links' order.
+// The light that a node gathers by its own links: the emitters' irradiance times the form factors, in the links' order.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(order)
 READS(spans)

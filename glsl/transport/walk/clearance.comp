@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// For each cell of a grid around an object, how far all of its points are from the surface, or less.
+// For each cell of a grid around an object, a lower bound on the distance of its points from the surface.
 READS(object_params)
 READS(bounds)
 WRITES(clearance)

@@ -1,4 +1,4 @@
-// How light enters the medium at a triangle: what each light brings. SHADOWS is not 0 if lights cast any.
+// How much light enters the medium at a triangle from each light. SHADOWS is not 0 if lights cast shadows.
 
 // The share of a light's intensity in the unit direction `away` from it.
 float emitted(Light light, vec3 away) {
@@ -14,7 +14,7 @@ float emitted(Light light, vec3 away) {
 }
 
 // Light of one channel that enters at a triangle's centre from a light, and the unit direction towards that light; all
-// in the scene.
+// in the scene's frame.
 float entered(Light light, uint channel, uint face, vec3 center, vec3 normal, out vec3 toward) {
     bool far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
     precise vec3 apart = light.place - center;
@@ -36,7 +36,7 @@ float entered(Light light, uint channel, uint face, vec3 center, vec3 normal, ou
     return lit_there && light.kind != LIGHT_SKY_RAY ? sum : 0.0;
 }
 
-// A direction of the scene, in the object's own frame.
+// A direction in the scene, turned into the object's own frame.
 vec3 turned_back(vec3 v) {
     ObjectParams own = object_params[0];
     precise vec3 sum = v.x * own.turn_x + v.y * own.turn_y + v.z * own.turn_z;

@@ -2,9 +2,9 @@
 // environment.
 #include "transport/walk/entered.glsl"
 
-// The unit direction inside, of a photon that enters a triangle, in the object's own frame, as centre and normal are.
-// The lights are drawn by what enters from each; what none of them explains is the environment's, and comes as from all
-// around.
+// The unit direction inside of a photon that enters a triangle, in the object's own frame, as centre and normal are. A
+// light is drawn by how much light enters from each; irradiance that none of them explains is the environment's, and
+// comes evenly from all directions.
 vec3 entry(uint channel, uint face, vec3 center, vec3 normal, uint number, uvec4 random) {
     float eta = object_params[0].eta[channel];
     vec3 place = placed(0, center), out_there = turned(0, normal);
@@ -23,7 +23,7 @@ vec3 entry(uint channel, uint face, vec3 center, vec3 normal, uint number, uvec4
         vec3 toward;
         float one = entered(lights[i], channel, face, place, out_there, toward);
         precise float sum = before + one;
-        // Rounding may leave the last one to be found.
+        // Rounding may keep all of them from being found: then the last one counts.
         if (!found && one > 0.0) from = turned_back(toward);
         if (one > 0.0 && pick < sum) found = true;
         before = sum;

@@ -21,7 +21,7 @@ float minus_log(float x) {
     return -log;
 }
 
-// Fresnel transmittance of a boundary with this index, inner over outer, from its cosines outside and inside.
+// Fresnel transmittance of a boundary with this relative index, inner over outer, from the cosines outside and inside.
 float passes(float eta, float outer, float inner) {
     precise float s = outer + eta * inner;
     precise float p = eta * outer + inner;

@@ -24,7 +24,7 @@ void main() {
     float area = clusters[leaves[face]].area, photons_all = max(float(walk_params[0].photons), 1.0);
     float whole = float(WALK_WEIGHT), unit = whole / float(1u << WALK_SQUARE_BITS);
 
-    // Light of a photon of full weight, per area; weights and their squares in units of full weight.
+    // The light of a photon of full weight, and that per area; weights and their squares in units of full weight.
     vec3 light = wide_sum(total.low, total.high) / uintBitsToFloat(factors(total.most)) / photons_all;
     vec3 by_area = area > 0.0 ? light / area : vec3(0);
     vec3 left = wide_sum(own.once, own.once_high) / whole + wide_sum(own.more, own.more_high) / whole;

@@ -1,7 +1,7 @@
 // Where a photon's flight meets the surface of its object.
 
-// From `origin` along the unit `way` for a distance of `path`: the triangle, NONE if the flight ends before, UNFINISHED
-// if it meets no way out; and weights of the triangle's corners, not normalised.
+// From `origin` along the unit `way` for a distance of `path`: the triangle, NONE if the flight ends before one, or
+// UNFINISHED if it meets no way out; and weights of the triangle's corners, not normalised.
 //
 // A triangle is passed outward where its normal is along the way. Rounding may put the origin just outside: triangles
 // that are passed outward count from a little below it, others from a little above, and are no way out. A flat triangle
@@ -32,7 +32,7 @@ uint meeting(vec3 origin, vec3 way, float path, uint from, out vec3 weights) {
             bool outward = (sum > 0.0) == (main_part > 0.0);
             precise float mine = found.numerator * nearest.denominator;
             precise float its = nearest.numerator * found.denominator;
-            // Of two at the same distance, such as at an edge, a way out, then the first one.
+            // Of two at the same distance, as at an edge, a way out counts, else the lower number.
             bool better = outward != out_there ? outward : box.face < nearest.face;
             bool nearer = mine < its || (mine == its && better);
             // The origin's depth below the plane, and how much of it rounding explains.

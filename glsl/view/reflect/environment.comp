@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "lighting/fresnel.glsl"
 
-// The environment's reflection: its image in fixed directions about the mirror direction, or by fixed microfacets.
+// The environment's reflection: its image along fixed directions about the mirror direction, or from fixed microfacets.
 layout(constant_id = 0) const uint GGX = 0;
 layout(constant_id = 1) const uint COUNT = 1;
 layout(push_constant, scalar) uniform push_block { uint object; }; // whose pixels this dispatch shades

@@ -38,7 +38,7 @@ pub fn edge_form(
     weighed(triangle, indices, x_o, dipole, distance, |f, sigma, h| integral(f, sigma, h, nodes))
 }
 
-/// The same by quadrature in the angle `psi` itself: a little more even, but it needs trigonometric functions.
+/// [`edge_form`] by quadrature in the angle `psi` itself: a little more even, but it needs trigonometric functions.
 #[must_use]
 pub fn edge_form_psi(
     triangle: &[DVec3; 3],
@@ -51,7 +51,7 @@ pub fn edge_form_psi(
     weighed(triangle, indices, x_o, dipole, distance, |f, sigma, h| integral_psi(f, sigma, h, nodes))
 }
 
-/// The sum over both sources of the dipole, each with its depth as the numerator (equation 7). `one` is the integral
+/// The sum over both sources of the dipole, each with its depth as the numerator (equation 7). `source` is the integral
 /// for a source of this extinction and height.
 pub(super) fn weighed(
     triangle: &[DVec3; 3],
@@ -59,7 +59,7 @@ pub(super) fn weighed(
     x_o: DVec3,
     dipole: &Dipole,
     distance: Distance,
-    one: impl Fn(&Footprint, f64, f64) -> f64,
+    source: impl Fn(&Footprint, f64, f64) -> f64,
 ) -> f64 {
     let Some(footprint) = Footprint::new(triangle, indices, x_o) else {
         return 0.0;
@@ -67,7 +67,7 @@ pub(super) fn weighed(
     let heights = distance.heights(footprint.delta, dipole);
     let mut sum = 0.0;
     for (z, h) in dipole.depths().into_iter().zip(heights) {
-        sum += z * one(&footprint, dipole.sigma, h);
+        sum += z * source(&footprint, dipole.sigma, h);
     }
     dipole.strength * sum
 }
@@ -80,7 +80,7 @@ pub fn integral(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Node]) 
     around(&footprint.edges, footprint.nearest, sigma, height, |edge, source| edge.in_w(source, nodes))
 }
 
-/// The same in `psi`.
+/// [`integral`] by quadrature in `psi`.
 #[must_use]
 pub fn integral_psi(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Node]) -> f64 {
     around(&footprint.edges, footprint.nearest, sigma, height, |edge, source| edge.in_psi(source, nodes))
@@ -96,8 +96,8 @@ pub fn terms(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Node]) -> 
     [term(a), term(b), term(c)]
 }
 
-/// `J` of what these edges enclose, with the line integral of each by `line`; `nearest`: distance in the plane from
-/// the foot to it.
+/// `J` of the area that these edges enclose, with the line integral of each by `line`; `nearest`: distance in the plane
+/// from the foot to that area.
 pub(super) fn around(
     edges: &[Edge],
     nearest: f64,
@@ -173,7 +173,7 @@ impl Edge {
         self.sense * self.offset * 2.0 * half * sum
     }
 
-    /// The same in `psi`.
+    /// The edge's line integral in `psi`, signed, no unit.
     fn in_psi(&self, source: &Source, nodes: &[Node]) -> f64 {
         if self.offset == 0.0 {
             return 0.0;

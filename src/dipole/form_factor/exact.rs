@@ -28,7 +28,7 @@ pub fn edge_form_exact(
     weighed(triangle, indices, x_o, dipole, distance, integral)
 }
 
-/// The same with a quarter of the nodes; scaled error below 1e-8.
+/// [`edge_form_exact`] with a quarter of the nodes; scaled error below 1e-8.
 #[must_use]
 pub fn edge_form_fine(
     triangle: &[DVec3; 3],

@@ -11,7 +11,7 @@ use glam::DVec3;
 /// One edge, walked from its lower to its higher vertex index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
-    /// +1 if that is the triangle's own counter-clockwise direction, else -1.
+    /// +1 if this walk is the triangle's own counter-clockwise direction, else -1.
     pub sense: f64,
     /// Distance of the foot to the edge's line, length; positive on the left of the walk.
     pub offset: f64,

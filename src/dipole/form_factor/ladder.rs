@@ -16,7 +16,7 @@ const POWERS: [f64; 4] = [-4.0, -3.0, -2.0, -1.0];
 
 /// Largest `chi` for each rule at each tolerance: the 99th percentile of the relative error of well-shaped triangles
 /// stays within the tolerance. The last row, for 0.1, is a modest extrapolation: its 99th percentile is 0.03, because
-/// beyond it the errors of the area rules can be much larger than predicted.
+/// with a larger `chi` the errors of the area rules can be much larger than predicted.
 const LARGEST: [[f64; RUNGS]; 4] =
     [[0.007, 0.017, 0.12, 0.35], [0.025, 0.06, 0.3, 0.7], [0.1, 0.3, 0.6, 0.9], [0.3, 0.7, 1.0, 1.2]];
 

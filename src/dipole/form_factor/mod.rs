@@ -1,9 +1,9 @@
 //! The form factor `F = int R_d dA` of a triangle seen from a point: section 4 of Mertens et al. 2003.
 //!
 //! Three ways to the same number, from expensive to cheap: [`exact`] (reference), [`edge`] (a line integral over
-//! three edges), [`points`] (samples on the area); [`ladder`] selects one of them. [`polygon`] is the form factor of a
-//! near-planar cluster, [`uniform`] the method that the paper compares its own with. All in `f64` and in the caller's
-//! unit of length; `F` has no unit and lies in [0, total].
+//! three edges), [`points`] (samples on the area); [`ladder`] selects between the last two. [`polygon`] is the form
+//! factor of a near-planar cluster, [`uniform`] the method that the paper compares its own with. All are in `f64` and
+//! in the caller's unit of length; `F` has no unit and lies in [0, total].
 
 pub mod edge;
 pub mod exact;

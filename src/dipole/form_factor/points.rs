@@ -11,17 +11,17 @@ use glam::DVec3;
 /// One sample of an area rule: three barycentric coordinates and a weight; weights sum to 1.
 pub type Sample = [f64; 4];
 
-/// 3 points, exact to degree 2.
+/// The rule of 3 points, exact to degree 2.
 pub const THREE: [Sample; 3] = orbit3(1.0 / 6.0, 1.0 / 3.0);
 
-/// 6 points, exact to degree 4.
+/// The rule of 6 points, exact to degree 4.
 pub const SIX: [Sample; 6] = {
     let [a, b, c] = orbit3(0.445_948_490_915_964_9, 0.223_381_589_678_011_46);
     let [d, e, f] = orbit3(0.091_576_213_509_770_74, 0.109_951_743_655_321_87);
     [a, b, c, d, e, f]
 };
 
-/// 12 points, exact to degree 6.
+/// The rule of 12 points, exact to degree 6.
 pub const TWELVE: [Sample; 12] = {
     let [a, b, c] = orbit3(0.249_286_745_170_910_42, 0.116_786_275_726_379_37);
     let [d, e, f] = orbit3(0.063_089_014_491_502_23, 0.050_844_906_370_206_82);

@@ -1,9 +1,9 @@
 //! The form factor of a near-planar cluster: its triangles projected onto the plane through its midpoint, across its
 //! mean normal, and the resulting polygon integrated over its border.
 //!
-//! Section 5.1.1 of Mertens et al. 2003. Edges that two of the cluster's triangles share cancel (section 4.2), so the
-//! border is all that is left of the polygon. It may have several loops, and where the cluster folds over, parts that
-//! count twice or against the rest. With `C = g(h)` the line integral is right for any of them, because the border
+//! Section 5.1.1 of Mertens et al. 2003. Edges that two of the cluster's triangles share cancel (section 4.2), so only
+//! the polygon's border counts. It may have several loops, and where the cluster folds over, parts that count twice or
+//! with the opposite sign. With `C = g(h)` the line integral is right for any of them, because the border
 //! winds around the foot as often as the triangles cover it; where it does not, `C = g(s_m)` keeps the relative error
 //! small, as for a single triangle ([`super::edge`]).
 

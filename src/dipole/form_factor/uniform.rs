@@ -18,14 +18,14 @@ pub fn density(params: &ObjectParams) -> f32 {
     (1.0 / (PI * shortest * shortest)) as f32
 }
 
-/// Samples of a triangle of this area, 1 to [`MOST_SAMPLES`].
+/// The number of samples of a triangle of this area, 1 to [`MOST_SAMPLES`].
 #[must_use]
 pub fn count(area: f32, density: f32) -> u32 {
     let wanted = area * density;
     if wanted < MOST_SAMPLES as f32 { (wanted.ceil() as u32).max(1) } else { MOST_SAMPLES }
 }
 
-/// A number whose every bit depends on every bit of `x`: the finalizer `lowbias32`.
+/// A hash, each of whose bits depends on every bit of `x`: the finalizer `lowbias32`.
 fn mixed(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x7feb_352d);

@@ -134,21 +134,21 @@ impl Sheet {
     }
 }
 
-/// The texels of each sheet, rows from the top, `runs` maps one after another. `of` is the sheet of each triangle;
-/// `own` is a texel of the user's maps, by column, row and map.
+/// The texels of each sheet, rows from the top, `runs` maps one after another. `islands` is the island of each
+/// triangle; `user_texel` is a texel of the user's maps, by column, row and map.
 pub fn fill(
     faces: &Faces<'_>,
     sheets: &[Sheet],
-    of: &[u32],
+    islands: &[u32],
     runs: usize,
-    own: &(impl Fn(i64, i64, usize) -> [f32; 4] + Sync),
+    user_texel: &(impl Fn(i64, i64, usize) -> [f32; 4] + Sync),
 ) -> Vec<Vec<[f32; 4]>> {
     let covered: Vec<Vec<bool>> = sheets.par_iter().map(|sheet| sheet.covered(faces)).collect();
-    let texel = |at: DVec2, run: usize| own(at.x as i64, at.y as i64, run);
+    let texel = |at: DVec2, run: usize| user_texel(at.x as i64, at.y as i64, run);
 
     // Bilinear look-up at a point of a triangle, from texels that its island covers if there are any.
     let looked = |face: u32, weight: [f64; 3], run: usize| {
-        let (island, places) = (of[face as usize] as usize, faces.places[face as usize]);
+        let (island, places) = (islands[face as usize] as usize, faces.places[face as usize]);
         let at: DVec2 = (0..3).map(|k| weight[k] * places[k]).sum();
         let (low, part) = (at.floor(), at - at.floor());
         let corners = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|step| {
@@ -180,8 +180,8 @@ pub fn fill(
             Across::Open | Across::Unknown => texel(place(index), run),
         };
         (0..runs)
-            .flat_map(|run| across.iter().enumerate().map(move |of| (of, run)))
-            .map(|(of, run)| value(of, run))
+            .flat_map(|run| across.iter().enumerate().map(move |entry| (entry, run)))
+            .map(|(entry, run)| value(entry, run))
             .collect()
     };
     sheets.par_iter().zip(&covered).map(of_sheet).collect()

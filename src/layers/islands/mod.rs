@@ -1,5 +1,5 @@
-//! Islands: the pieces into which a mesh's texture coordinates fall at their seams. The march continues in texture
-//! space; beyond a seam the texels belong to nothing or to another part of the surface.
+//! Islands: the pieces into which seams divide a mesh's texture coordinates. The march continues in texture space;
+//! beyond a seam the texels belong to nothing or to another part of the surface.
 //!
 //! For a mesh with seams the maps are rearranged once, when the scene is loaded. Each island is moved by whole
 //! texels, so that the texels of its triangles keep their values, and gets a margin filled from across its border
@@ -35,7 +35,7 @@ const LEAST: f64 = 2.0;
 pub struct Atlas {
     /// Width and height, in texels.
     pub size: [u32; 2],
-    /// In the layout of [`DepthMap::texels`].
+    /// The depths, in the layout of [`DepthMap::texels`].
     pub texels: Vec<[f32; 4]>,
     /// For each triangle of the mesh, its corners' positions in the atlas and the bounds of its island there.
     pub places: Vec<Island>,

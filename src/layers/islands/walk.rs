@@ -6,7 +6,7 @@ use glam::DVec2;
 use super::NONE;
 use crate::scene::Mesh;
 
-/// Most triangles along such a line.
+/// Most triangles that a line is followed through.
 const FARTHEST: u32 = 10_000;
 
 /// A mesh with its corners' positions in the maps, in texels; texel centres are at whole numbers.
@@ -17,7 +17,7 @@ pub struct Faces<'a> {
     pub places: Vec<[DVec2; 3]>,
 }
 
-/// What lies at a point beyond a border.
+/// The surface at a point beyond a border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Across {
     /// This triangle, with the weights of its corners.
@@ -42,7 +42,7 @@ impl Faces<'_> {
         [face[k], face[(k + 1) % 3]]
     }
 
-    /// The same ends as positions in the maps.
+    /// The positions of a half-edge's ends in the maps.
     pub fn ends(&self, half: u32) -> [DVec2; 2] {
         let (face, k) = (self.places[half as usize / 3], half as usize % 3);
         [face[k], face[(k + 1) % 3]]
@@ -77,7 +77,7 @@ impl Faces<'_> {
         })
     }
 
-    /// What lies at a point of the maps that is beyond this edge of its island.
+    /// The surface at a point of the maps that lies beyond this edge of its island.
     pub fn across(&self, half: u32, place: DVec2) -> Across {
         if self.twins[half as usize] == NONE {
             return Across::Open;

@@ -1,11 +1,11 @@
-//! Where a straight line crosses the real surfaces of the scene, in `f64`: what the reference of the march sees of a
-//! light. Crossings are counted, so that an object that the line leaves and enters again has several parts on it.
+//! Where a straight line crosses the real surfaces of the scene, in `f64`: the reference of the march follows light
+//! along it. Crossings are counted, so that an object that the line leaves and enters again has several parts on it.
 
 use glam::DVec3;
 
 use crate::state::{State, wide};
 
-/// A line through a scene, from a point on.
+/// A half line through a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Way {
     /// Where it lies within the object: from and to these distances, ascending. The first part begins at the point; if
@@ -20,7 +20,7 @@ pub struct Way {
 /// The line from `from` along the unit direction `along`, up to the distance `limit`, through the scene that holds the
 /// object of this number. The object lies behind its triangles; with `side` -1 in front of them.
 pub fn way(state: &State, object: usize, from: DVec3, along: DVec3, side: f64, limit: f64) -> Way {
-    // Aside by far less than positions are accurate, so that the line passes no edge of a regular mesh exactly.
+    // Shifted by far less than the accuracy of positions, so that the line meets no edge of a regular mesh exactly.
     let from = from + DVec3::new(0.61e-10, -0.37e-10, 0.83e-10);
     let data = &state.data;
     let own = state.objects[object].first.faces..state.objects[object].first.faces + state.objects[object].count.faces;
@@ -86,8 +86,8 @@ fn passes(low: DVec3, high: DVec3, along: DVec3) -> bool {
 }
 
 /// Distance to where the half line from the origin passes a triangle, and 1 if it passes along the normal, -1 if
-/// against it. The volumes that the line spans with two triangles' common edge are each other's negative to the last
-/// bit, so that it passes one of them.
+/// against it. The volumes that the line spans with the common edge of two triangles are each other's negative to the
+/// last bit, so that it passes one of the two.
 fn crossing([a, b, c]: [DVec3; 3], along: DVec3) -> Option<(f64, f64)> {
     let volumes = [along.dot(b.cross(c)), along.dot(c.cross(a)), along.dot(a.cross(b))];
     let out = if volumes.iter().all(|&v| v > 0.0) {

@@ -17,7 +17,7 @@ use crate::layout::{FADING, GRAZING, LEAST_COSINE, LIGHT_DIRECTIONAL, LIGHT_SKY_
 use crate::lighting::irradiance::{arrival, reaches};
 use crate::state::wide;
 
-/// Optical depth beyond which light is negligible: 4e-11 of it is left.
+/// Optical depth beyond which light is negligible: a share of 4e-11 is left.
 const DARK: f64 = 24.0;
 
 /// Which approximations of the march the reference keeps.
@@ -38,7 +38,7 @@ impl Kept {
     pub const ALL: Self = Self { triangle_shadow: true, planar_entry: true, mean_depths: true, tangent_space: true };
 }
 
-/// A point on a line: its depth, and those of the interfaces there. Far below all interfaces the depth is [`BELOW`] and
+/// A point on a line: its depth, and the interface depths there. Far below all interfaces its depth is [`BELOW`] and
 /// theirs are 0.
 #[derive(Clone, Copy)]
 struct Node {
@@ -46,10 +46,10 @@ struct Node {
     depths: Depths,
 }
 
-/// Depth below the last interface beyond which no light is looked for.
+/// The depth recorded for a point far below all interfaces, whose nearest point of the surface is not looked for.
 const BELOW: f64 = 1e9;
 
-/// Splits the way between two nodes where it crosses interfaces, whose depths below it vary linearly: calls `part` with
+/// Splits the way between two nodes where it crosses interfaces, assuming that depths vary linearly: calls `part` with
 /// the shares of the way where each part begins and ends, and its layer.
 fn split([a, b]: [&Node; 2], layers: usize, mut part: impl FnMut(f64, f64, usize)) {
     let mut cuts = [1.0; MOST_LAYERS + 1];
@@ -78,7 +78,7 @@ impl Node {
     }
 }
 
-/// A scattering point: where it is, its share of the way down the view ray, and the interface depths there.
+/// A scattering point: its position, its share of the way down the view ray, and the interface depths there.
 struct Place {
     at: DVec3,
     share: f64,
@@ -202,7 +202,7 @@ impl Ray<'_> {
     }
 
     /// Depth of a point, and the interface depths at the nearest point of the surface, which lies within `reach` of
-    /// it. It is not looked for where a step up would end below all interfaces still.
+    /// it. That point is not looked for if a step up would still end below all interfaces.
     fn beneath(&self, at: DVec3, reach: f64, step: f64) -> Node {
         let data = &self.state.data;
         let params = &data.object_params[self.layering.object as usize];

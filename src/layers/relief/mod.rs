@@ -9,10 +9,10 @@
 //! fades out at grazing incidence and is 0 from behind.
 //!
 //! Steps are split where the ray crosses an interface, assuming that interface depths vary linearly within a step.
-//! Between two such points falloff times phase and the depths of both legs are taken as linear:
-//! [`segment`](super::beneath::segment) is exact for that. The whole is exact for uniform layers on a plane under a
-//! directional light, with one step. Beyond a seam of the texture coordinates lies what [`islands`](super::islands)
-//! has put there. `integration = "paper"` uses the left rule with its N + 1 samples instead.
+//! Between two such points falloff times phase and the optical depths of both legs are taken as linear, for which
+//! [`segment`](super::beneath::segment) is exact. The result is exact for uniform layers on a plane under a directional
+//! light, with one step. Beyond a seam of the texture coordinates the march reads the margins that
+//! [`islands`](super::islands) has filled. `integration = "paper"` uses the left rule with its N + 1 samples instead.
 
 mod boundary;
 mod full;
@@ -34,8 +34,8 @@ pub static STAGE: Stage = Stage {
     about: "light scattered once in the layers beneath each visible point",
     equation: "Francois et al. 2006, equations 1 to 5, 9 to 13, 15, corrected",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-5 })],
-    reason: "an exponential's depth is off by some roundings of its own size, and a place in the maps by 1e-7 times their \
-             texels and contrast",
+    reason: "an exponential's depth is off by some roundings of its own size, and a depth from the maps by 1e-7 times \
+             their texels and contrast",
     ..super::stage(cpu, gpu)
 };
 

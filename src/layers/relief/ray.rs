@@ -23,14 +23,14 @@ pub(super) struct MapPlaces {
 }
 
 impl MapPlaces {
-    /// None where depths are uniform.
+    /// The places of a triangle; none where depths are uniform.
     pub fn of(state: &State, layering: &Layering, face: usize) -> Option<Self> {
         let place = |[x, y]: [f32; 2]| DVec2::new(x.into(), y.into());
         if layering.first_island != NONE {
             let first = state.data.object_params[layering.object as usize].first_face;
-            let own = &state.data.islands[face - first as usize + layering.first_island as usize];
-            let limits = Some([own.low, own.high].map(place));
-            return Some(Self { corners: [own.a, own.b, own.c].map(place), limits });
+            let island = &state.data.islands[face - first as usize + layering.first_island as usize];
+            let limits = Some([island.low, island.high].map(place));
+            return Some(Self { corners: [island.a, island.b, island.c].map(place), limits });
         }
         let uvs = (layering.size != [1, 1]).then(|| state.data.corner_uvs.get(face))??;
         Some(Self { corners: [uvs.a, uvs.b, uvs.c].map(place), limits: None })
@@ -124,7 +124,7 @@ impl<'a> Ray<'a> {
         self.depths_of(place, self.limits)
     }
 
-    /// The same at map coordinates, within the limits of the island.
+    /// Depths of the lower interfaces at map coordinates, within the limits of the island.
     pub(super) fn depths_of(&self, place: DVec2, limits: Option<[DVec2; 2]>) -> Depths {
         let [width, height] = self.layering.size;
         let at = match limits {
@@ -141,8 +141,8 @@ impl<'a> Ray<'a> {
         let mut depths = [f64::INFINITY; MOST_LAYERS];
         for (layer, depth) in depths.iter_mut().enumerate().take(self.layering.layers as usize) {
             let map = (layer / MAP_LAYERS) as u32 * width * height;
-            let of = |corner: u32| f64::from(self.state.data.depths[(corner + map) as usize][layer % MAP_LAYERS]);
-            *depth = corners.iter().zip(weights).map(|(&corner, weight)| weight * of(corner)).sum();
+            let value = |corner: u32| f64::from(self.state.data.depths[(corner + map) as usize][layer % MAP_LAYERS]);
+            *depth = corners.iter().zip(weights).map(|(&corner, weight)| weight * value(corner)).sum();
         }
         depths
     }
@@ -235,7 +235,7 @@ impl<'a> Ray<'a> {
         sum
     }
 
-    /// The same by the paper's left rule.
+    /// Radiance due to a light of intensity 1, by the paper's left rule.
     fn paper(&self, light: &Light) -> DVec3 {
         let (layers, henyey) = (self.layers(), self.layering.henyey != 0);
         let step = self.length / f64::from(self.layering.samples);

@@ -6,18 +6,17 @@
 //! L(x, w_o) = T(w_o) / eta^2 integral of sigma_s p(w_i', w_o') E' e^(-sigma_t (s + s')) ds,
 //!
 //! over the refracted ray down to where it leaves the object. A light of irradiance E on a plane that faces it brings
-//! E' = E T(w_i) mu_i / mu_i': a beam of Fresnel transmittance T, as wide on the surface, but of another width inside.
-//! 1 / eta^2 is what radiance loses on its way out. On a half-space under a distant light this is
-//! [`half_space`].
+//! E' = E T(w_i) mu_i / mu_i': a beam that loses light by Fresnel's transmittance T, and has another width inside than
+//! outside. Radiance falls by 1 / eta^2 on its way out. On a half-space under a distant light this is [`half_space`].
 //!
-//! Where light enters, and along how much of the medium, is Jensen's estimate: a straight ray from the sample to the
-//! light meets the surface after s_i, with a normal by which light is refracted; then s' = s_i mu_i / mu_i'. It is
-//! exact for a distant light where the surface is flat around there, and for an index of 1 anywhere; light from a place
-//! falls off with the square of its distance to the surface and s' / eta. Of curved surfaces it leaves out that they
-//! focus light. Bits of shadow are those of the triangle where light enters.
+//! The entry of light and its length in the medium are Jensen's estimate: a straight ray from the sample to the light
+//! meets the surface after s_i, with a normal by which light is refracted; then s' = s_i mu_i / mu_i'. It is exact for
+//! a distant light where the surface is flat around the entry, and for an index of 1 anywhere; light from a place falls
+//! off with the square of its distance to the surface plus s' / eta. The estimate leaves out that curved surfaces focus
+//! light. Shadow bits are those of the triangle where light enters.
 //!
-//! Between samples light times phase function and optical depth are taken as linear, and their integral is exact: so
-//! is the whole on a half-space, however few the samples.
+//! Between samples light times phase function and optical depth are taken as linear, and their integral is exact; so
+//! the result is exact on a half-space, however few the samples.
 
 mod ray;
 
@@ -67,8 +66,8 @@ fn inside(eta: f64, outer: f64) -> f64 {
     if eta == 1.0 { outer } else { (outer * outer - (1.0 - eta) * (1.0 + eta)).max(0.0).sqrt() / eta }
 }
 
-/// What a light does at a sample: the light that arrives there, per unit of the light's colour and channel, but for
-/// the medium's attenuation, and the length of its way in the medium.
+/// The light that arrives at a sample from one light source, per channel and times the phase function, but without the
+/// medium's attenuation, and the length of its way in the medium.
 fn arriving(
     state: &State,
     medium: &ScatteringMedium,
@@ -105,7 +104,7 @@ fn arriving(
     (DVec3::from_array(phases) * wide(light.color) * (falloff * passes * ratio * lit), leg)
 }
 
-/// Radiance that a medium adds to a pixel, internal units, and what is left in its ray.
+/// Radiance that a medium adds to a pixel, internal units, and the pixel's ray as the last sample leaves it.
 fn scattered(state: &State, medium: &ScatteringMedium, hit: &Hit) -> (DVec3, InnerRay) {
     let data = &state.data;
     let (way, length) = ray::refract(data, medium, hit);

@@ -1,4 +1,4 @@
-//! Where rays run inside an object: decisions, in step with `glsl/layers/single_scattering`.
+//! The rays inside an object: decisions, in step with `glsl/layers/single_scattering`.
 
 use crate::geometry::exact::{inside, inverse, refracted, unit};
 use crate::geometry::trace::{Nearest, Sight, cross, dot, meets, minus};
@@ -8,7 +8,7 @@ fn blend(weight: [f32; 3], [a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
     std::array::from_fn(|k| weight[0] * a[k] + weight[1] * b[k] + weight[2] * c[k])
 }
 
-/// The triangle's corners.
+/// A triangle's corners in the scene.
 fn corners(data: &Buffers, face: u32) -> [[f32; 3]; 3] {
     data.triangles[face as usize].map(|v| data.in_scene()[v as usize])
 }
@@ -79,8 +79,9 @@ pub(super) fn refract(data: &Buffers, medium: &ScatteringMedium, hit: &Hit) -> (
     (way, if end.face == NONE { medium.reach } else { distance.clamp(0.0, medium.reach) })
 }
 
-/// The triangle that a straight ray from the `sample`'s place towards a light leaves through; none where there is
-/// none, or the light is nearer. `light` is its position, or the direction to it if it is `far`.
+/// The triangle through which a straight ray from a sample's `place` towards a light leaves; none if there is none, or
+/// if the light is nearer. The `first` sample is the visible point. `light` is the light's position, or the direction
+/// to it if it is `far`.
 pub(super) fn entry(
     data: &Buffers,
     medium: &ScatteringMedium,

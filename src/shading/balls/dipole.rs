@@ -10,8 +10,8 @@ use crate::dipole::profile::Dipole;
 /// Light that leaves a ball of this radius, by angle from the light.
 #[must_use]
 pub fn curve(dipole: &Dipole, radius: f64) -> Curve {
-    // Intervals of distance from 0 to the diameter; the first is a quarter of z_real (or of a smaller radius), each
-    // next one twice as long.
+    // Intervals of distance from 0 to the diameter; the first ends at a quarter of z_real (or of a smaller radius),
+    // each next one at twice the distance.
     let rule = legendre(16);
     let (mut low, mut high) = (0.0, 0.25 * dipole.z_real.min(radius));
     let mut distances = Vec::new();

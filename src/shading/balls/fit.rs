@@ -19,18 +19,18 @@ pub struct Fit {
 
 /// For each angle of each curve: the weight by surface area, f at this sigma_0, and the curve's value.
 fn parts(curves: &[Curve], sigma_0: f64) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
-    let of = move |curve: &Curve| {
+    let curve_parts = move |curve: &Curve| {
         let (sigma, count) = (sigma_0 / curve.radius, curve.values.len());
         let part = move |k: usize| (angle(k).sin(), cdrf(angle(k).cos(), sigma));
         curve.values.clone().into_iter().zip((0..count).map(part)).map(|(value, (share, f))| (share, f, value))
     };
-    curves.iter().flat_map(of)
+    curves.iter().flat_map(curve_parts)
 }
 
 /// The residuals at a sigma_0, with f scaled by 1 or, if `free`, by the best factor.
 fn at(curves: &[Curve], sigma_0: f64, free: bool) -> Fit {
     let all: Vec<_> = parts(curves, sigma_0).collect();
-    let sum = |of: &dyn Fn(&(f64, f64, f64)) -> f64| all.iter().map(of).sum::<f64>();
+    let sum = |term: &dyn Fn(&(f64, f64, f64)) -> f64| all.iter().map(term).sum::<f64>();
     let scale = if free { sum(&|(w, f, b)| w * f * b) / sum(&|(w, f, _)| w * f * f) } else { 1.0 };
     let squares = sum(&|(w, f, b)| w * (scale * f - b).powi(2)) / sum(&|(w, ..)| *w);
     let worst = all.iter().map(|(_, f, b)| (scale * f - b).abs()).fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 //! best (Kubo et al. 2010, section 4.2 and figure 6).
 //!
 //! A ball in parallel light: at an angle theta from the light, max(cos theta, 0) enters and B(theta) leaves, relative
-//! to what leaves a plane under normal incidence. The CDRF predicts f(theta, sigma_0 / r).
+//! to the light that leaves a plane under normal incidence. The CDRF predicts f(theta, sigma_0 / r).
 
 pub mod dipole;
 pub mod fit;
@@ -19,7 +19,7 @@ pub fn angle(k: usize) -> f64 {
     PI * (k as f64 + 0.5) / ANGLES as f64
 }
 
-/// Light that leaves a ball, relative to what leaves a plane under normal incidence.
+/// Light that leaves a ball, relative to the light that leaves a plane under normal incidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// The ball's radius, length.
@@ -33,12 +33,12 @@ pub struct Curve {
 /// Radii of the balls that sigma_0 is fitted to, in mean free paths.
 pub const PATHS: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 
-/// Largest ratio, either way, of the radii to those in mean free paths of the channel itself.
+/// Largest factor, either way, between the averaged mean free path and the channel's own.
 const APART: f64 = 4.0;
 
 /// Radii of the balls for a channel: [`PATHS`] times the mean free path averaged over the channels, since all channels
-/// light the same object. Where the channel's own mean free path is much longer or shorter, the average is taken
-/// within a factor of 4 of it: balls far larger would say nothing of the channel.
+/// light the same object. Where the channel's own mean free path is much longer or shorter, the average is clamped to a
+/// factor of 4 of it: far larger balls would tell nothing about the channel.
 #[must_use]
 pub fn radii(mean_paths: [f64; 3], channel: usize) -> [f64; 6] {
     let own = mean_paths[channel];

@@ -1,5 +1,5 @@
 //! sigma_0 of a material that does not name one: the fit to the dipole over balls of the usual radii, computed once for
-//! all materials of the same shares and boundary and kept.
+//! all materials with the same shares and boundary, and kept.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -15,7 +15,7 @@ use crate::dipole::profile::Dipole;
 pub const WIDEST: f64 = 10.0;
 
 /// The standard deviation, along one axis, of the dipole's profile, sqrt(z / sigma_tr), with z the mean of the sources'
-/// distances weighted by the light of each. Length; at most [`WIDEST`] mean free paths, since at low absorption the
+/// depths weighted by the light of each. Length; at most [`WIDEST`] mean free paths, since at low absorption the
 /// profile's far tail dominates. The fit starts its search here.
 #[must_use]
 pub fn spread(dipole: &Dipole) -> f64 {
@@ -24,8 +24,8 @@ pub fn spread(dipole: &Dipole) -> f64 {
     (mean / dipole.sigma).sqrt().min(WIDEST * dipole.z_real)
 }
 
-/// What a channel's fit depends on, as bits: the shares of scattering and absorption in the extinction, the boundary's
-/// A, and the balls' radii, as a factor on the usual multiples of its mean free path.
+/// The inputs of a channel's fit, as bits: the shares of scattering and absorption in the extinction, the boundary's A,
+/// and the balls' radii, as a factor on the usual multiples of its mean free path.
 type Key = [u64; 4];
 
 /// The most fits that are kept. A sequence that changes its materials in every frame must not fill the memory.
@@ -48,7 +48,7 @@ pub fn fitted(sigma_s_prime: [f64; 3], sigma_a: [f64; 3], boundary: [f64; 3]) ->
 /// Fits that have been computed.
 type Kept = Mutex<HashMap<Key, f64>>;
 
-/// The kept value of each channel; what is not kept is computed, and kept.
+/// The kept value of each channel; values that are not kept are computed, and kept.
 fn looked_up(kept: &Kept, shares: [[f64; 4]; 3], compute: impl Fn([f64; 4]) -> f64 + Sync) -> [f64; 3] {
     let lock = || kept.lock().unwrap_or_else(PoisonError::into_inner);
     let keys = shares.map(|share| share.map(f64::to_bits));
@@ -74,7 +74,7 @@ fn looked_up(kept: &Kept, shares: [[f64; 4]; 3], compute: impl Fn([f64; 4]) -> f
 /// The fit in mean free paths; 0 where nothing is scattered.
 fn in_paths([scattering, absorption, boundary, factor]: [f64; 4]) -> f64 {
     let dipole = Dipole::new(scattering, absorption, boundary);
-    // So little light comes back that ratios of it would lose their digits.
+    // Below this, so little light comes back that its ratios would lose their digits.
     if dipole.total() < 1e-200 {
         return if scattering > 0.0 { spread(&dipole) } else { 0.0 };
     }

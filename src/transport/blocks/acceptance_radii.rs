@@ -1,5 +1,5 @@
-//! Stage `acceptance_radii`: turns the oracle into distances. The error of a link falls with distance under every
-//! error law, so each threshold becomes one distance per node, and the walk only adds, multiplies and compares.
+//! Stage `acceptance_radii`: turns the oracle into distances. Every error law falls with distance, so each threshold
+//! becomes one distance per node, and the walk only adds, multiplies and compares.
 //!
 //! A law `factor W tau^n sum_j z_j p(s_j) (q2 / (2 s_j^2))^n` separates into the node's strength `W tau^n` and a
 //! function of distance alone, the same for all nodes. The inverse of that function is tabulated once per frame; a
@@ -54,8 +54,8 @@ fn runs(update: &Update) -> bool {
     }
 }
 
-/// Least distance from a triangle, squared, as a share of a triangle's mean area: a layer's law has no depth to level
-/// it off.
+/// Square of the least distance in a layer's law, as a share of the triangles' mean area: the law would grow without
+/// bound, as no source lies below the surface.
 const LEAST: f64 = 1.0 / 64.0;
 
 /// The binary logarithm of a law of diffusion at distance `u`: single layer over z_b, and double layer.
@@ -94,7 +94,7 @@ fn law(jets: &GroupProfile, scale: [f64; 3], u: f64, power: f64) -> f64 {
     jets.channels().map(channel).fold(-1e30, f64::max)
 }
 
-/// One law's table: its logarithm at distance 0, by how much it falls, and the distances of evenly spaced values.
+/// One law's table: its logarithm at distance 0, how far that falls, and the distances of evenly spaced values.
 fn table(law: impl Fn(f64) -> f64) -> Vec<f32> {
     let top = law(0.0);
     let depth = RANGE_DEPTH.min(top - law(FARTHEST));

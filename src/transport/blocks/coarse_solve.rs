@@ -98,7 +98,7 @@ fn cpu(state: &mut State, at: Scope) {
     }
 }
 
-/// The leaf of sample `k` of those drawn by light: the one at share (k + 1/2) / `HALF` of the cumulative light, in
+/// The leaf of sample `k` of those drawn by the light: the one at share (k + 1/2) / `HALF` of the cumulative light, in
 /// `f32`.
 fn by_light(data: &crate::layout::Buffers, moments: &[Moment], k: usize) -> usize {
     let mut target = moments[0].weight * ((k as f32 + 0.5) * (1.0 / HALF as f32));

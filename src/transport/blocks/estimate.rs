@@ -3,9 +3,9 @@
 //!
 //! Each link adds the square of its error, because links err in either direction. Their laws are those of the oracle,
 //! in chi = tau q2(sigma s) / (2 s^2), with three changes. First, the oracle evaluates a law at a cluster's nearest
-//! point; here it is evaluated at the centroid and multiplied by e^(sigma sqrt(tau)), because the profile falls by
-//! that from one to the other. Second, an expansion for a whole block is of second order in the emitter's spread and
-//! the receiver's offset together, so the third order of both is lost: (tau + offset^2)^3 is at most
+//! point; here it is evaluated at the centroid and multiplied by e^(sigma sqrt(tau)), the factor by which the profile
+//! falls from that point to the centroid. Second, an expansion for a whole block is of second order in the emitter's
+//! spread and the receiver's offset together, so the third order of both is lost: (tau + offset^2)^3 is at most
 //! 4 (tau^3 + offset^6), which needs two sums instead of four. Third, the factors are measured, so that each law
 //! alone has the right magnitude: a third moment is a small share of tau^1.5, hence 0.15 where the oracle has 0.5,
 //! and few offsets lie in the worst direction, hence 0.4. Dropped emitters all err in the same direction, so they are
@@ -13,7 +13,7 @@
 //!
 //! Positions are rounded to `f32` in internal units: a corner, and the centroid of a receiver or of a cluster, moves by
 //! at most u = sqrt(3) 2^-24 m, where m is the largest coordinate. B is an integral of a positive kernel over
-//! triangles, so a relative bound of what is integrated bounds B:
+//! triangles, so a relative bound on the integrand bounds B:
 //! - Area: a triangle of perimeter P and area A, all of whose corners move by u, grows by at most P u / 2, to first
 //!   order; in the mean over the surface, that is u / rho of the area, rho = 2 sum A / sum P: the triangles' mean
 //!   inradius.
@@ -30,8 +30,8 @@ use crate::layout::{ESTIMATE_BOTH, ESTIMATE_SAFETY, ESTIMATE_STEEPEST};
 
 /// Rounding of profile and sums to `f32`, as a share of the radiosity.
 const ROUNDING: f64 = 2e-6;
-/// Share of the bound of what rounded positions change: corners are rounded independently of one another, and light
-/// from all sides cancels in part. Measured on two marble balls 300 to 30,000 radii apart, the median receiver errs by
+/// The error by rounded positions as a share of its bound: corners are rounded independently of one another, and errors
+/// from all sides cancel in part. Measured on two marble balls 300 to 30,000 radii apart, the median receiver errs by
 /// 0.01 of the bound, and 99 of 100 by less than 0.05 to 0.2 of it.
 const DISPLACED: f64 = 0.1;
 
@@ -72,7 +72,7 @@ pub fn edge(sigma: f64, m: &ClusterMoments, nodes: u32, value: f64) -> f64 {
     (share * value).powi(2)
 }
 
-/// What a dropped cluster would have contributed: over a line of this spread, e^(-sigma s) is on average sinh(t)/t
+/// The light that a dropped cluster would have sent: over a line of this spread, e^(-sigma s) is on average sinh(t)/t
 /// times its value at the centre, where t = sigma sqrt(3 tau) stands for half the line's length.
 pub fn dropped(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64) -> f64 {
     let t = (jets.dipole(c).sigma * (3.0 * m.trace()).sqrt()).min(ESTIMATE_STEEPEST);
@@ -80,8 +80,8 @@ pub fn dropped(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64) -> f6
     m.weight * jets.at(c, d2).value * grown
 }
 
-/// What rounding to `f32` may change, as a share of the radiosity: values, and positions up to `most` from the
-/// origin, in triangles of this mean inradius.
+/// The error by rounding to `f32`, as a share of the radiosity: rounding of values, and of positions up to `most` from
+/// the origin, in triangles of this mean inradius.
 pub fn rounding(sigma: f64, depth: f64, inradius: f64, most: f64) -> f64 {
     let moved = 3.0f64.sqrt() * 2.0f64.powi(-24) * most;
     let steepest = 1.5 / (depth + inradius) + sigma.min(1.0 / inradius);
@@ -89,7 +89,7 @@ pub fn rounding(sigma: f64, depth: f64, inradius: f64, most: f64) -> f64 {
 }
 
 /// The estimate of a receiver, from its own squared error, its block's squared errors at the centre and at the
-/// radius, its offset and that radius, and its radiosity before clamping to 0. `rounding` is a share of that.
+/// radius, its offset and that radius, and its radiosity before clamping to 0. `rounding` is a share of the radiosity.
 pub fn close(
     [sigma, rounding]: [f64; 2],
     own: f64,

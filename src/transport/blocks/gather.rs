@@ -146,7 +146,7 @@ impl Near<'_> {
 }
 
 impl Near<'_> {
-    /// For each channel the light that the emitters dropped by a block would have sent to its centre.
+    /// For each channel of the group, the light that the emitters dropped by a block would have sent to its centre.
     fn dropped(&self, sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]]) -> Vec<(usize, f64)> {
         let center = wide(sphere.center);
         let mut sums: Vec<(usize, f64)> = self.jets.channels().map(|c| (c, 0.0)).collect();

@@ -110,7 +110,7 @@ pub fn walk(sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]], mut tel
     }
 }
 
-/// The blocks of a batch, and where its parts of `runs` and of `entries` begin.
+/// The blocks of a batch, and the first elements of its parts of `runs` and of `entries`.
 pub fn batch(state: &State, at: Scope) -> (std::ops::Range<usize>, usize, usize) {
     let blocks = state.object(at).schedule.batches[at.chunk].clone();
     (blocks.start as usize..blocks.end as usize, state.part(BufferId::runs, at).0, state.part(BufferId::entries, at).0)

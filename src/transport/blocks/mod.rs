@@ -18,7 +18,7 @@ pub use crate::layout::BLOCK_RECEIVERS;
 use crate::state::stage::{Cpu, Gpu};
 use crate::state::{Carrier, Granularity, Stage, Update};
 
-/// A stage of transport to blocks, once per group of channels; it says what of that is different, and the rest.
+/// Defaults of a stage of transport to blocks, which runs once per group of channels.
 const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
     Stage {
         module: "transport/blocks",

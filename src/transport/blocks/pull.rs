@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::layout::{BufferId, COARSE_CHI, Moment, NONE, SecondMoments};
 use crate::state::{Carrier, Field, Pass, Role, Scope, Stage, State, Tolerance, Update, narrow, wide};
 
-/// Tolerances relative to the value or to the extent.
+/// Tolerances: of the weight relative to its value, of the centroid relative to the object's extent.
 const MOMENT: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 4e-6, of: "" },
     Field { name: "weight", relative: 5e-5, floor: 0.0, of: "" },

@@ -1,5 +1,5 @@
-//! Stage `push`: a receiver's radiosity B: what it received itself, plus its block's expansion at its position
-//! (section 3.2 adds up clusters' constants; here a block hands down a quadratic).
+//! Stage `push`: a receiver's radiosity B: the light that it received itself, plus its block's expansion at its
+//! position. (Section 3.2 adds up clusters' constants; here a block hands down a quadratic.)
 
 use rayon::prelude::*;
 
@@ -57,7 +57,7 @@ fn cpu(state: &mut State, at: Scope) {
                 if estimated {
                     let [own, center, rim] = [error[c], e.error[c], e.bend[c]].map(f64::from);
                     let [sigma, rounding] =
-                        [&data.object_params[0].sigma, &data.object_params[0].rounding].map(|of| f64::from(of[c]));
+                        [&data.object_params[0].sigma, &data.object_params[0].rounding].map(|x| f64::from(x[c]));
                     error[c] = estimate::close([sigma, rounding], own, [center, rim], [d.length(), radius], sum) as f32;
                 }
             }

@@ -1,8 +1,7 @@
 //! Stage `boundary_integrals`: single and double layer at every triangle, of a vector of the basis; in the first run,
 //! of the light that was deposited below the surface, and of the solution to start from, if there is one (the second
-//! vector then keeps the former). Clusters are
-//! expanded about blocks of receivers or evaluated at each of them; near triangles take area points or
-//! the edge form, or are known from `near_layers`.
+//! vector then keeps the light's). Clusters are expanded about blocks of receivers or evaluated at each of them; near
+//! triangles take area points or the edge form, or are known from `near_layers`.
 
 use super::near_layers::kept;
 use super::sums::{Density, add_up, expanded};
@@ -39,7 +38,7 @@ pub static STAGE: Stage = Stage {
     ..super::stage(cpu, gpu)
 };
 
-/// What is applied in a run, in order: step 0 is the start.
+/// The densities that the operator is applied to in a run, in order; step 0 is the start.
 fn densities(state: &State, step: usize) -> Vec<Density> {
     match step {
         0 if state.method.warm => vec![Density::Source, Density::Solution],
@@ -83,7 +82,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
         let solution = u32::from(density == Density::Solution);
         let vector = step.saturating_sub(1) as u32;
         let (faces, nodes) = (pass.object().count.faces, pass.state.method.nodes);
-        // Of the source term nothing is kept: each channel's light is at a depth of its own.
+        // Layers of the source term are not kept: its light changes, and lies at its own depth in each channel.
         let kept = if density == Density::Source { 0 } else { kept(pass.object()) as u32 };
         pass.dispatch(Some("leaf"), &[source, solution], bytemuck::bytes_of(&vector), faces)?;
         pass.climb("cluster", &[source])?;

@@ -1,7 +1,8 @@
-//! Stage `deposit`: where the light that enters each triangle collides first. It goes on in the refracted direction w
-//! until it has flown a mean free path L on average, or leaves at the far side: over a thickness of tau L along w, the
-//! share 1 - e^-tau collides, at l = L (1 - tau / (e^tau - 1)) on average. Of several lights the place is the mean of
-//! theirs, by what each brings in. Light of the environment, from all around, goes along -n, by its mean depth.
+//! Stage `deposit`: where the light that enters each triangle collides first. It flies in the refracted direction w, a
+//! mean free path L on average, unless it leaves at the far side: over a thickness of tau L along w, the share
+//! 1 - e^-tau collides, at l = L (1 - tau / (e^tau - 1)) on average. With several lights the place is the mean of their
+//! places, weighted by the light that enters from each. The environment's light, from all around, goes along -n, by its
+//! mean depth.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -25,14 +26,14 @@ pub static STAGE: Stage = Stage {
     ..super::stage(cpu, gpu)
 };
 
-/// The share that collides and, of the mean free path, the mean depth of where it does: over a thickness of `tau` of
-/// these.
+/// The share of light that collides over a thickness of `tau` mean free paths, and the mean depth of its collisions, in
+/// mean free paths.
 fn collides(tau: f64) -> [f64; 2] {
     let deep = if tau < 1e-3 { 0.5 * tau - tau * tau / 12.0 } else { 1.0 - tau / tau.exp_m1() };
     [-(-tau).exp_m1(), deep]
 }
 
-/// The distance through the object from a triangle's centroid; none where no way out is found.
+/// The distance through the object from a triangle's centroid; infinite where no way out is found.
 fn thickness(data: &Buffers, face: usize, center: [f32; 3], way: [f32; 3]) -> f64 {
     let Meeting::At(out, weights) = meeting(data, center, way, BEYOND, face as u32) else { return f64::INFINITY };
     let corners = data.triangles[out].map(|v| wide(data.positions[v as usize]));
@@ -45,7 +46,7 @@ fn thickness(data: &Buffers, face: usize, center: [f32; 3], way: [f32; 3]) -> f6
 /// Farther than any object is wide.
 const BEYOND: f32 = 8.0;
 
-/// The deposit of one triangle in one channel: light, and the way from the centroid to its place.
+/// The deposit of one triangle in one channel: its light, and the vector from the centroid to its place.
 fn of_face(data: &Buffers, face: usize, c: usize) -> (f64, DVec3) {
     let params = &data.object_params[0];
     let center = data.clusters[data.leaves[face] as usize].center;

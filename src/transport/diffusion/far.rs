@@ -2,9 +2,9 @@
 //! `w g - U.grad g + Y : grad grad g - (Q, U) : grad grad grad g / 2`,
 //! with the kernel `g(s) = e^(-k s) / (4 pi s)`, by Taylor's series about the cluster's middle.
 //!
-//! w is the sum of b / z_b over its triangles (b: value times area), U of b (n + e / z_b) with e from the middle, Y of
-//! b (e n + n e + e e / z_b) / 2, and Q the mean of e e over the area: the third order takes e e for independent of b
-//! and n.
+//! w is the sum of b / z_b over the cluster's triangles (b: value times area), U that of b (n + e / z_b), with e the
+//! vector from the middle, Y that of b (e n + n e + e e / z_b) / 2, and Q the mean of e e over the area: the third
+//! order takes e e to be independent of b and n.
 
 use glam::{DMat3, DVec3};
 
@@ -25,7 +25,7 @@ fn trace(m: &DMat3) -> f64 {
     m.x_axis.x + m.y_axis.y + m.z_axis.z
 }
 
-/// The mean square of a cluster's area about its middle.
+/// The second moment of a cluster's area about its middle, per area.
 pub(super) fn area_moment(s: &SecondMoments) -> DMat3 {
     symmetric(wide(s.diagonal), s.mixed.map(f64::from))
 }
@@ -66,7 +66,7 @@ pub(super) fn kernel(k: f64, s: f64) -> f64 {
     jet(k, s).g
 }
 
-/// Its derivative over the distance, divided by the distance.
+/// The kernel's derivative by the distance, divided by the distance.
 pub(super) fn slope(k: f64, s: f64) -> f64 {
     jet(k, s).first
 }
@@ -84,7 +84,7 @@ pub(super) struct Layers {
     pub second: DMat3,
 }
 
-/// What a cluster gives about a block's centre: value, gradient, second derivatives.
+/// A cluster's potential about a block's centre: value, gradient, second derivatives.
 #[derive(Clone, Copy)]
 pub(super) struct Quadratic {
     pub value: f64,
@@ -93,15 +93,13 @@ pub(super) struct Quadratic {
 }
 
 impl Quadratic {
-    /// Nothing.
     pub(super) const ZERO: Self = Self { value: 0.0, gradient: DVec3::ZERO, second: DMat3::ZERO };
 }
 
 impl Layers {
-    /// None.
     pub(super) const ZERO: Self = Self { center: DVec3::ZERO, charge: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
 
-    /// Of a node and channel.
+    /// The layers of a node in one channel.
     pub(super) fn of(data: &Buffers, node: usize, c: usize) -> Self {
         let (place, first) = (&data.layer_places[node], &data.layer_firsts[node]);
         let (squares, products) = (&data.layer_squares[node], &data.layer_products[node]);
@@ -115,7 +113,7 @@ impl Layers {
         }
     }
 
-    /// The same about another middle.
+    /// The same layers about another middle.
     pub(super) fn about(&self, center: DVec3) -> Self {
         let t = self.center - center;
         let across = outer(t, self.first);
@@ -127,7 +125,7 @@ impl Layers {
         }
     }
 
-    /// What they give at a place.
+    /// Their potential at a place.
     pub(super) fn at(&self, k: f64, area: &DMat3, x: DVec3) -> f64 {
         let d = x - self.center;
         let jet = jet(k, d.length());
@@ -136,7 +134,7 @@ impl Layers {
         self.charge * jet.g - jet.first * self.first.dot(d) + second - 0.5 * third
     }
 
-    /// What they give about a place.
+    /// Their potential about a place.
     pub(super) fn expanded(&self, k: f64, area: &DMat3, x: DVec3) -> Quadratic {
         let d = x - self.center;
         let jet = jet(k, d.length());
@@ -178,11 +176,11 @@ mod tests {
         }
         for k in [0.0, 1.0] {
             let exact = |x: DVec3| -> f64 {
-                let of = |&(place, normal, b): &(DVec3, DVec3, f64)| {
+                let patch = |&(place, normal, b): &(DVec3, DVec3, f64)| {
                     let d = x - place;
                     b * (kernel(k, d.length()) / z_b - slope(k, d.length()) * d.dot(normal))
                 };
-                patches.iter().map(of).sum()
+                patches.iter().map(patch).sum()
             };
             for way in [DVec3::new(0.6, 0.3, 0.74), DVec3::X, DVec3::new(-0.1, 0.9, -0.4)] {
                 let off = |distance: f64| {

@@ -1,7 +1,7 @@
 //! Stage `krylov_step`: one step of GMRES (Saad and Schultz 1986): the newest vector is made orthogonal to those before
 //! it, twice, in the mean over the object's area, and scaled to length 1; the small system gains a column, which
-//! rotations make triangular. What is left of its right-hand side is the residual's norm. Each channel by itself. At a
-//! start from a solution, the second vector is the source term, of which only the norm is taken.
+//! rotations make triangular. The last entry of its right-hand side is the residual's norm. Each channel is solved by
+//! itself. At a start from a solution, the second vector is the source term, of which only the norm is taken.
 
 use crate::error::Result;
 use crate::layout::{
@@ -19,7 +19,7 @@ pub static STAGE: Stage = Stage {
         (BufferId::krylov, Role::Update, Tolerance::Float { relative: 1e-4, floor: 1e-4 }),
         (BufferId::small_system, Role::Update, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),
     ],
-    reason: "sums over all triangles; what is left of a vector after the others are taken off may be a hundredth of it",
+    reason: "sums over all triangles; a vector less its projections on the others may be a hundredth of itself",
     granularity: Granularity::Iteration,
     ..super::stage(cpu, gpu)
 };
@@ -27,11 +27,11 @@ pub static STAGE: Stage = Stage {
 /// The mean over the area of the product of two vectors, in one channel.
 fn mean(data: &Buffers, [a, b]: [usize; 2], c: usize) -> f64 {
     let faces = data.triangles.len();
-    let of = |face: usize| {
+    let term = |face: usize| {
         let area = f64::from(data.clusters[data.leaves[face] as usize].area);
         area * f64::from(data.krylov[a * faces + face][c]) * f64::from(data.krylov[b * faces + face][c])
     };
-    (0..faces).map(of).sum::<f64>() / f64::from(data.clusters[0].area).max(1e-37)
+    (0..faces).map(term).sum::<f64>() / f64::from(data.clusters[0].area).max(1e-37)
 }
 
 fn cpu(state: &mut State, at: Scope) {

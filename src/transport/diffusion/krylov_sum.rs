@@ -1,9 +1,9 @@
 //! Stage `krylov_sum`: the solution in the basis, by back substitution, and radiosity, which is nowhere negative.
 //!
-//! What is left of the equation, r = b - M B, is the last entry of the rotated right-hand side, turned back. The error
-//! e solves M e = r, so that e = 2 (r - K e), K the integral over the surface: twice what is left there, and a smooth
-//! rest of the size of the mean. The estimate is twice |r|, four times its mean, and what clusters may add; it was
-//! above the error at 98 % of the triangles or more, of four shapes solved densely in `f64` at 1e-2, 1e-3 and 1e-4.
+//! The residual r = b - M B is the last entry of the rotated right-hand side, rotated back. The error e solves M e = r,
+//! so that e = 2 (r - K e), with K the integral over the surface: twice the local residual, and a smooth rest of the
+//! size of the mean. The estimate is twice |r|, four times its mean, and the error that clusters may add; it was above
+//! the error at 98 % of the triangles or more, on four shapes solved densely in `f64` at 1e-2, 1e-3 and 1e-4.
 
 use crate::error::Result;
 use crate::layout::{
@@ -27,7 +27,7 @@ pub static STAGE: Stage = Stage {
     ..super::stage(cpu, gpu)
 };
 
-/// How many steps were taken: as many as the scope says, or, where it does not, all.
+/// How many steps were taken: the scope's number, or, where that is 0, the method's.
 fn taken(state: &State, at: Scope) -> usize {
     if at.chunk > 0 { at.chunk } else { state.method.steps as usize }
 }
@@ -68,7 +68,7 @@ fn cpu(state: &mut State, at: Scope) {
     }
 }
 
-/// The residual's coefficients after so many steps: the last of the right-hand side, through the rotations backwards.
+/// The residual's coefficients after this many steps: the last entry of the right-hand side, rotated back.
 fn residual(data: &Buffers, steps: usize, c: usize) -> Vec<f64> {
     let at = |place: usize| f64::from(data.small_system[place][c]);
     let (mut carried, mut left) = (at(SMALL_RIGHT + steps), vec![0.0; steps + 1]);

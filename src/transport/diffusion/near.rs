@@ -1,7 +1,7 @@
 //! Near triangles: single and double layer of a flat triangle of even density, by area points or by its edges.
 //!
-//! Over the edges, with h the receiver's height over the plane, r the distance from its foot, r_m the least of it (0
-//! inside, or where it is below h) and s_m its distance in space:
+//! Over the edges, with h the receiver's height over the plane, r the distance from its foot, r_m the least such
+//! distance (0 inside the triangle, or where it is below h) and s_m the distance from the receiver there:
 //! `int e^(-k s)/s dA = e^(-k s_m) sum R int q phi1 / (s + s_m) dt` and
 //! `h int (1 + k s) e^(-k s)/s^3 dA = e^(-k s_m) (h/s_m) sum R int q (1 + k s_m phi1) / (s (s + s_m)) dt`, with
 //! `phi1 = (1 - e^(-k (s - s_m))) / (k (s - s_m))` and `q = (r^2 - r_m^2) / r^2`.
@@ -23,7 +23,7 @@ pub(super) struct Both {
     pub double: f64,
 }
 
-/// By 6 area points, per area; `normal` is the unit normal.
+/// Both layers by 6 area points, per area; `normal` is the unit normal.
 pub(super) fn sampled(k: f64, corners: &[DVec3; 3], normal: DVec3, x: DVec3) -> Both {
     let mut sum = Both::default();
     for [u, v, w, weight] in SIX {
@@ -35,13 +35,13 @@ pub(super) fn sampled(k: f64, corners: &[DVec3; 3], normal: DVec3, x: DVec3) -> 
     sum
 }
 
-/// The way from a triangle's centroid to the place of its light, in a channel.
+/// The vector from a triangle's centroid to the place of its light, in one channel.
 pub(super) fn depth(data: &Buffers, face: usize, c: usize) -> DVec3 {
     let deposit = &data.deposits[face];
     wide([deposit.red, deposit.green, deposit.blue][c])
 }
 
-/// Whether the light that a triangle deposits is too near to a place for area points, in any channel; exact on every
+/// Whether the light that a triangle deposits is too near to a place for area points in some channel; exact on every
 /// device.
 pub(super) fn too_near(data: &Buffers, node: usize, area_distance: f32, x: [f32; 3]) -> bool {
     let (center, reach) = (data.clusters[node].center, area_distance.max(0.0));
@@ -54,7 +54,7 @@ fn phi1(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x }
 }
 
-/// The integrals over one edge, without their factors; of an elongated triangle in parts of even width in
+/// The integrals over one edge, without their factors; an elongated triangle's edge is taken in parts of even width in
 /// asinh(t / S), over which the integrands are smooth, however near the receiver is to the edge's line.
 fn edge(edge: &Edge, k: f64, at: [f64; 3], elongated: bool, nodes: &[Node]) -> Both {
     let r_line = edge.sense * edge.offset;
@@ -99,7 +99,7 @@ fn part_of_edge(t: [f64; 2], r_line: f64, k: f64, [h, rim, s_m]: [f64; 3], nodes
     sum
 }
 
-/// By the edges; `own`: the receiver lies in the triangle's plane. A triangle without area gives nothing.
+/// Both layers by the edges; `own`: the receiver lies in the triangle's plane. Both are 0 for a triangle without area.
 pub(super) fn by_edges(k: f64, corners: &[DVec3; 3], id: [u32; 3], x: DVec3, own: bool, nodes: &[Node]) -> Both {
     let Some(footprint) = Footprint::new(corners, id, x) else { return Both::default() };
     let height = if own { 0.0 } else { footprint.delta };
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
     use crate::dipole::form_factor::gauss::legendre;
 
-    /// By many small triangles.
+    /// Both layers by many small triangles.
     fn fine(k: f64, corners: &[DVec3; 3], x: DVec3, levels: u32) -> Both {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         if levels == 0 {
@@ -172,9 +172,9 @@ mod tests {
         let nodes = legendre(12);
         for (x, wanted) in [(corner(0.35, 0.3, 0.22), -1.0), (corner(1.0, 1.0, 1.0), 0.0)] {
             let sides = [[0u32, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
-            let of =
+            let double =
                 |side: &[u32; 3]| by_edges(0.0, &side.map(|v| corners[v as usize]), *side, x, false, &nodes).double;
-            let sum: f64 = sides.iter().map(of).sum();
+            let sum: f64 = sides.iter().map(double).sum();
             assert!((sum - wanted).abs() < 1e-5, "{sum} {wanted}");
         }
     }

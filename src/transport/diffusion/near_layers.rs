@@ -1,6 +1,6 @@
-//! Stage `near_layers`: what each near triangle gives at each receiver of its block, with charge 1. It depends on shape
-//! and material alone, and serves every step of the solver; blocks with more near triangles than are kept compute the
-//! first of them anew in each step.
+//! Stage `near_layers`: the layers of each near triangle at each receiver of its block, with charge 1. They depend on
+//! shape and material alone, and serve every step of the solver; blocks with more near triangles than are kept compute
+//! the first ones anew in each step.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -26,9 +26,9 @@ pub static STAGE: Stage = Stage {
     ..super::stage(cpu, gpu)
 };
 
-/// Near triangles of a block that are kept, at most.
+/// Most near triangles of a block that are kept.
 const MOST_KEPT: usize = 64;
-/// What the kept layers of an object take, at most; every device binds this many bytes.
+/// Most bytes of an object's kept layers; every device can bind this many.
 const MOST_BYTES: usize = 1 << 27;
 
 /// Receivers of an object's largest batch, rounded up so that a device can bind each batch's part.
@@ -37,13 +37,13 @@ fn receivers(object: &Object) -> usize {
     (largest * BLOCK_RECEIVERS).next_multiple_of(64)
 }
 
-/// Near triangles of a block that are kept, at most; fewer in large objects.
+/// Most near triangles of a block that are kept: fewer in large objects.
 pub(super) fn kept(object: &Object) -> usize {
     let all = receivers(object) * object.schedule.batches.len() * BufferId::near_layers.spec().stride;
     (MOST_BYTES / all.max(1)).min(MOST_KEPT)
 }
 
-/// Elements of a batch's part.
+/// Elements of a batch's part of `near_layers`.
 fn room(state: &State) -> usize {
     let solved = state.objects.iter().filter(|object| object.solves());
     solved.map(|object| receivers(object) * kept(object)).max().unwrap_or(0)
@@ -57,7 +57,7 @@ pub(super) fn computed(run: &Runs, kept: usize) -> [usize; 2] {
     [anew.min(area), anew.saturating_sub(area)]
 }
 
-/// A triangle's vertices and where they are.
+/// A triangle's vertices and their positions.
 pub(super) fn corners(data: &Buffers, face: usize) -> ([u32; 3], [DVec3; 3]) {
     let ids = data.triangles[face];
     (ids, ids.map(|v| wide(data.positions[v as usize])))
@@ -85,7 +85,7 @@ fn cpu(state: &mut State, at: Scope) {
         let mut layers = Vec::new();
         for (i, &node) in list.iter().enumerate().skip(area + edge) {
             for face in block.first as usize..(block.first + block.count) as usize {
-                layers.push([0, 1, 2].map(|c| one(data, node, face, c, i < run.area as usize, &nodes) as f32));
+                layers.push([0, 1, 2].map(|c| layers_at(data, node, face, c, i < run.area as usize, &nodes) as f32));
             }
         }
         (slot, block.count as usize, layers)
@@ -105,8 +105,8 @@ fn near_list<'a>(data: &'a Buffers, run: &Runs, entry_base: usize) -> &'a [u32] 
     &data.entries[first..first + (run.area + run.edge) as usize]
 }
 
-/// What a triangle of charge 1 gives at a receiver, in a channel.
-fn one(data: &Buffers, node: u32, face: usize, c: usize, points: bool, nodes: &[Node]) -> f64 {
+/// The layers of a triangle of charge 1 at a receiver, in one channel.
+fn layers_at(data: &Buffers, node: u32, face: usize, c: usize, points: bool, nodes: &[Node]) -> f64 {
     let Medium { decay, boundary } = Medium::of(&data.object_params[0], c);
     let (cluster, emitter) = (&data.clusters[node as usize], data.topology[node as usize].face as usize);
     let (ids, corners) = corners(data, emitter);
@@ -132,16 +132,16 @@ mod tests {
 
     #[test]
     fn a_large_object_keeps_fewer() {
-        let of = |batches: &[std::ops::Range<u32>]| {
+        let object_of = |batches: &[std::ops::Range<u32>]| {
             let mut object = Object::default();
             object.schedule.batches.extend_from_slice(batches);
             object
         };
-        assert_eq!(kept(&of(&[0..640, 640..1280])), MOST_KEPT);
-        let object = of(&[0..100_000, 100_000..150_000]);
+        assert_eq!(kept(&object_of(&[0..640, 640..1280])), MOST_KEPT);
+        let object = object_of(&[0..100_000, 100_000..150_000]);
         let bytes = 2 * receivers(&object) * kept(&object) * BufferId::near_layers.spec().stride;
         assert!(kept(&object) < MOST_KEPT && bytes <= MOST_BYTES && bytes > MOST_BYTES / 2, "{bytes}");
-        assert_eq!(kept(&of(&[0..10_000_000, 10_000_000..20_000_000])), 0);
+        assert_eq!(kept(&object_of(&[0..10_000_000, 10_000_000..20_000_000])), 0);
     }
 
     #[test]

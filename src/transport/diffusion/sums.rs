@@ -12,7 +12,7 @@ use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Expansion, LayerFirst, L
 use crate::state::{Scope, State, wide};
 use crate::transport::blocks::link::batch;
 
-/// What the operator is applied to.
+/// A density on the surface that the operator is applied to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Density {
     /// The light that collides, at its own depth: a single layer only.
@@ -64,7 +64,7 @@ fn climb(data: &Buffers, base: usize, density: Density, c: usize) -> Vec<Layers>
     all
 }
 
-/// Writes them, one channel of each field.
+/// Writes the layers of all nodes, one channel of each field.
 fn store(data: &mut Buffers, c: usize, all: &[Layers]) {
     for (node, m) in all.iter().enumerate() {
         let (place, first) = (&mut data.layer_places[node], &mut data.layer_firsts[node]);
@@ -85,7 +85,7 @@ fn store(data: &mut Buffers, c: usize, all: &[Layers]) {
 /// One channel's sums over lists.
 struct Sums<'a> {
     data: &'a Buffers,
-    /// Where the emitters of its lists begin.
+    /// The first element of the object's part of `emitters`.
     emitters: usize,
     base: usize,
     density: Density,
@@ -111,7 +111,7 @@ impl Sums<'_> {
         sum
     }
 
-    /// Everything but the expansion at a triangle's centroid; `known`: what the last of its near triangles give with
+    /// All but the expansion at a triangle's centroid; `known`: the layers of the last ones of its near triangles, with
     /// charge 1.
     fn receive(&self, face: usize, x: DVec3, run: &Runs, entries: &[u32], known: &[f64]) -> f64 {
         let (direct, rest) = entries[run.expanded as usize..].split_at(run.direct as usize);
@@ -161,7 +161,7 @@ impl LayerFirst {
     }
 }
 
-/// Computes all layers, and adds up the lists of every block: `expansions` and `received`.
+/// Computes the layers of all clusters, and sums the lists of every block into `expansions` and `received`.
 pub(super) fn add_up(state: &mut State, at: Scope, density: Density) {
     let first = Scope { chunk: 0, ..at };
     let [base, emitters] = [BufferId::moments, BufferId::emitters].map(|id| state.part(id, first).0);
@@ -231,9 +231,9 @@ pub(super) fn expanded(e: &Expansion, c: usize, d: DVec3) -> f64 {
     at(&e.value) + gradient.dot(d) + 0.5 * squares + mixed
 }
 
-/// What a triangle of value 1 gives at a triangle's centroid, in a channel, by its edges with these nodes: its single
-/// layer over z_b, where its light is deposited if it is a `source`, and, if it is not, its double layer. All pairs
-/// together are the dense system that lists approximate.
+/// The layers of a triangle of value 1 at another triangle's centroid, in one channel, by its edges with these nodes:
+/// its single layer over z_b, at the depth of its light if it is a `source`, and its double layer, which a source does
+/// not have. All pairs together are the dense system that lists approximate.
 #[must_use]
 pub fn pair(data: &Buffers, [emitter, receiver]: [usize; 2], c: usize, source: bool, nodes: &[Node]) -> [f64; 2] {
     let medium = Medium::of(&data.object_params[0], c);
@@ -256,7 +256,7 @@ pub fn applied(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     sums
 }
 
-/// The right-hand side.
+/// The right-hand side of the equation at these triangles, by all pairs.
 #[must_use]
 pub fn source(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     let light: Vec<[f32; 3]> = state.data.deposits.iter().map(|deposit| deposit.light).collect();
@@ -265,16 +265,16 @@ pub fn source(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
 
 fn by_pairs(data: &Buffers, faces: &[usize], values: &[[f32; 3]], source: bool) -> Vec<[f64; 3]> {
     let nodes = legendre(12);
-    let of = |&face: &usize| {
+    let received = |&face: &usize| {
         std::array::from_fn(|c| {
-            let one = |emitter: usize| match f64::from(values[emitter][c]) {
+            let term = |emitter: usize| match f64::from(values[emitter][c]) {
                 0.0 => 0.0,
                 value => value * pair(data, [emitter, face], c, source, &nodes).iter().sum::<f64>(),
             };
-            (0..data.triangles.len()).map(one).sum()
+            (0..data.triangles.len()).map(term).sum()
         })
     };
-    faces.par_iter().map(of).collect()
+    faces.par_iter().map(received).collect()
 }
 
 #[cfg(test)]

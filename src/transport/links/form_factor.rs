@@ -45,7 +45,7 @@ pub enum QuadratureRule {
     Uniform(u32),
 }
 
-/// What the form factors of nodes depend on.
+/// All nodes as emitters, with the data that their form factors depend on.
 pub struct Emitters<'a> {
     data: &'a Buffers,
     distance: crate::dipole::form_factor::Distance,
@@ -54,7 +54,7 @@ pub struct Emitters<'a> {
 }
 
 impl<'a> Emitters<'a> {
-    /// For the tree and material of `data`.
+    /// The emitters of the tree and material of `data`.
     pub fn new(data: &'a Buffers, distance: Distance, near: Near) -> Self {
         let distance = match distance {
             Distance::Radial => crate::dipole::form_factor::Distance::Radial,

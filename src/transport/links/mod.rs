@@ -23,7 +23,7 @@ pub mod update_links;
 use crate::state::stage::{Cpu, Gpu};
 use crate::state::{Carrier, Size, Stage, State};
 
-/// A stage of transport by links; it says what it has of its own.
+/// Defaults of a stage of transport by links.
 const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
     Stage { module: "transport/links", carriers: &[Carrier::Links], ..super::stage(cpu, gpu) }
 }

@@ -1,4 +1,4 @@
-//! Stage `push_links`: a face's radiosity B is the sum of what was gathered at its leaf and at every cluster above it
+//! Stage `push_links`: a face's radiosity B is the sum of the light gathered at its leaf and at every cluster above it
 //! (section 3.2).
 
 use rayon::prelude::*;

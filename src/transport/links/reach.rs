@@ -1,5 +1,6 @@
-//! Stage `reach`: how far away a triangle must be for each quadrature rule of the ladder, and a projected cluster for
-//! one sample. Turning the criterion chi into squared distances in advance keeps square roots out of the decisions.
+//! Stage `reach`: how far away a triangle must be for each quadrature rule of the ladder, and a cluster for one sample
+//! instead of its projection. Turning the criterion chi into squared distances in advance keeps square roots out of the
+//! decisions.
 
 use rayon::prelude::*;
 

@@ -27,9 +27,9 @@ fn cpu(state: &mut State, _at: Scope) {
     if data.counters[0].void() {
         return;
     }
-    let own = data.object_params[0].first_vertex as usize
+    let vertices = data.object_params[0].first_vertex as usize
         ..(data.object_params[0].first_vertex + data.object_params[0].vertices) as usize;
-    data.kept_positions[own.clone()].copy_from_slice(&data.positions[own]);
+    data.kept_positions[vertices.clone()].copy_from_slice(&data.positions[vertices]);
     data.kept_clusters.copy_from_slice(&data.clusters);
 }
 

@@ -1,4 +1,5 @@
-//! Stage `sum_links`: what each node receives at its centre over its own links, the sum of E times F (equation 6).
+//! Stage `sum_links`: the light that each node receives at its centre by its own links, the sum of E times F (equation
+//! 6).
 
 use rayon::prelude::*;
 
@@ -24,7 +25,7 @@ fn cpu(state: &mut State, at: Scope) {
     sum(state, at, &receivers);
 }
 
-/// The sums of these receivers of a chunk.
+/// Computes the sums of these receivers of a chunk.
 pub(super) fn sum(state: &mut State, at: Scope, receivers: &[u32]) {
     let (base, _) = state.part(BufferId::links, at);
     let data = &mut state.data;

@@ -1,5 +1,5 @@
-//! Stage `update_form_factors`: computes form factors of stale links in the order of the receivers, at most as many
-//! as the budget allows.
+//! Stage `update_form_factors`: computes the form factors of stale links in the order of the receivers, as far as the
+//! budget goes.
 
 use rayon::prelude::*;
 
@@ -55,7 +55,7 @@ fn cpu(state: &mut State, at: Scope) {
     let left = if data.counters[0].void() { 0 } else { data.object_params[0].budget - spent };
 
     // Take the first stale links; receivers that have any of them, or were merged, are summed again.
-    let mut busy = Vec::new();
+    let mut active = Vec::new();
     let (mut due, mut rest) = (Vec::new(), 0);
     for &receiver in &data.order[nodes.start as usize..nodes.end as usize] {
         let edited = has_edits(data, receiver);
@@ -75,13 +75,13 @@ fn cpu(state: &mut State, at: Scope) {
         *waiting -= count;
         rest += *waiting;
         if !data.counters[0].void() && (edited || count > 0) {
-            busy.push(receiver);
+            active.push(receiver);
             (edit.links, edit.areas) = (0, 0);
         }
     }
-    data.active_receivers[nodes.start as usize..][..busy.len()].copy_from_slice(&busy);
+    data.active_receivers[nodes.start as usize..][..active.len()].copy_from_slice(&active);
     let counters = &mut data.counters[0];
-    counters.receivers = busy.len() as u32;
+    counters.receivers = active.len() as u32;
     counters.summed = counters.receivers + if at.chunk == 0 { 0 } else { counters.summed };
     (counters.due, counters.computed) = (due.len() as u32, spent + due.len() as u32);
     counters.stale = rest + if at.chunk == 0 { 0 } else { counters.stale };
@@ -98,7 +98,7 @@ fn cpu(state: &mut State, at: Scope) {
     };
     let mut ranked = due.clone();
     ranked.sort_by_key(kind);
-    let counts = [RULE_SAMPLE, RULE_AREA, RULE_EDGE].map(|own| ranked.iter().filter(|k| kind(k) == own).count() as u32);
+    let counts = [RULE_SAMPLE, RULE_AREA, RULE_EDGE].map(|all| ranked.iter().filter(|k| kind(k) == all).count() as u32);
     let factors: Vec<[f32; 3]> =
         due.par_iter().map(|&k| narrow(emitters.factor(emitter(k), wide(center(k)), rule(k)))).collect();
     let data = &mut state.data;

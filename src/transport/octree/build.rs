@@ -19,12 +19,12 @@ struct Cell {
     end: usize,
     /// Bit triples, from the top, that all its samples share.
     level: u32,
-    /// Cells it is cut into; none at a leaf.
+    /// The cells that it is cut into; none at a leaf.
     first: usize,
     count: usize,
 }
 
-/// The sums of a node, other than its source.
+/// The sums of a node, besides its source.
 #[derive(Clone, Copy)]
 struct Sum {
     area: f32,
@@ -65,8 +65,8 @@ pub fn build(samples: &[Sample]) -> Octree {
                 let sample = &samples[index as usize];
                 let leaf = Source { place: sample.position, power: sample.irradiance.map(|e| e * sample.area) };
                 let weight = leaf.power.iter().sum();
-                let own = Sum { area: sample.area, weight, low: sample.position, high: sample.position };
-                add(&mut sum, &mut source, &own, &leaf);
+                let single = Sum { area: sample.area, weight, low: sample.position, high: sample.position };
+                add(&mut sum, &mut source, &single, &leaf);
                 if lit(sample) {
                     tree.sources.push(leaf);
                 }

@@ -46,7 +46,7 @@ pub fn evaluate<S: Simd>(
     at: &[f32x16<S>; 3],
     sum: &mut [f32x16<S>; 3],
 ) {
-    let mut own = [f32x16::splat(simd, 0.0); 3];
+    let mut listed = [f32x16::splat(simd, 0.0); 3];
     for &index in list {
         let source = &sources[index as usize];
         let (x, y, z) = (at[0] - source.place[0], at[1] - source.place[1], at[2] - source.place[2]);
@@ -55,11 +55,11 @@ pub fn evaluate<S: Simd>(
             let [real, image] = &channels[k].terms;
             let reflectance = kernel(simd, &channels[k], real, d2) * real.weight;
             let reflectance = kernel(simd, &channels[k], image, d2).mul_add(image.weight, reflectance);
-            own[k] = reflectance.mul_add(source.power[k], own[k]);
+            listed[k] = reflectance.mul_add(source.power[k], listed[k]);
         }
     }
     for k in 0..3 {
-        sum[k] += own[k];
+        sum[k] += listed[k];
     }
 }
 

@@ -8,10 +8,10 @@
 //!
 //! The optimisations change none of this:
 //! - 16 neighbouring receivers walk the tree together (`traverse`); a cell is opened for all where one of them, or
-//!   the nearest point of their common box, wants it open. So no receiver gets less than it asks for.
+//!   the nearest point of their common box, needs it open. So no receiver gets less accuracy than it asks for.
 //! - The up to eight children of a cell lie side by side and are judged at once.
-//! - What the walk accepts is a list, evaluated afterwards for the 16 receivers at once (`direct`), or, with AVX-512,
-//!   by a table that fits two registers (`table`).
+//! - The walk lists the sources that it accepts; they are evaluated afterwards for the 16 receivers at once (`direct`),
+//!   or, with AVX-512, by a table whose rows fit two registers (`table`).
 //! - Unlit cells and samples are not in the tree; only their area counts.
 
 mod build;
@@ -75,14 +75,13 @@ struct Children {
 /// Samples in an octree, with the sums of every cell. Nodes lie breadth first, siblings side by side.
 #[derive(Clone, Debug, Default)]
 pub struct Octree {
-    /// Those of the nodes, then those of the samples.
+    /// The sources of the nodes, then those of the lit samples.
     sources: Vec<Source>,
     /// The nodes' positions again, by axis, with padding at the end.
     places: [Vec<f32>; 3],
     /// The nodes' areas, with padding; 0 for a single sample.
     areas: Vec<f32>,
-    /// Squared distance from a node's position beyond which there is nothing of its box, with padding; 0 for a single
-    /// sample.
+    /// Squared distance from a node's position to the farthest corner of its box, with padding; 0 for a single sample.
     reaches: Vec<f32>,
     /// The boxes around the nodes' samples: low and high corner.
     boxes: Vec<[[f32; 3]; 2]>,
@@ -181,7 +180,7 @@ impl Octree {
 }
 
 impl Profile {
-    /// Makes the table only where it can be used.
+    /// The profile, with a table only where it can be used.
     #[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables, reason = "only AVX-512 has use for a table"))]
     fn new(level: Level, dipoles: &[Dipole; 3], farthest2: f64) -> Self {
         Self {

@@ -1,5 +1,5 @@
-//! Stage `clearance`: how far every point of a cell of a grid is from the object's surface, at least. A photon whose
-//! flight is shorter collides without a look at the surface: most do.
+//! Stage `clearance`: for each cell of a grid, a lower bound on the distance of its points from the object's surface. A
+//! photon whose flight is shorter collides without a look at the surface, as most do.
 
 use rayon::prelude::*;
 
@@ -12,20 +12,20 @@ use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance};
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "clearance",
-    about: "distances to the surface, or less, over a grid: where photons fly freely",
+    about: "lower bounds on distances to the surface, over a grid: where photons fly freely",
     equation: "distance to the nearest triangle's bounding box, less half a cell",
     writes: &[(BufferId::clearance, Role::Output, Tolerance::Exact)],
-    reason: "decisions hang on it: additions, multiplications and comparisons in f32",
+    reason: "decisions depend on it: additions, multiplications and comparisons in f32",
     sizes: &[(BufferId::clearance, Size::Elements(|_| CELLS))],
     ..super::stage(cpu, gpu)
 };
 
 /// Cells of the grid.
 const CELLS: usize = (CLEARANCE_SIDE * CLEARANCE_SIDE * CLEARANCE_SIDE) as usize;
-/// Share of a distance, and distance, that cover rounding.
+/// A factor on a distance, and a distance to subtract, that cover rounding.
 const SURELY: [f32; 2] = [0.9999, 1e-5];
 
-/// The distance from any point of a cell to the surface, or less.
+/// A lower bound on the distance from any point of a cell to the surface.
 fn of_cell(data: &Buffers, cell: u32) -> f32 {
     let whole = &data.bounds[0];
     let step = minus(whole.high, whole.low).map(|x| x * (1.0 / CLEARANCE_SIDE as f32));
@@ -48,7 +48,7 @@ fn of_cell(data: &Buffers, cell: u32) -> f32 {
     (SURELY[0] * root(best) - 0.5 * root(dot(step, step)) - SURELY[1]).max(0.0)
 }
 
-/// The distance from a point in the object to the surface, or less.
+/// A lower bound on the distance from a point in the object to the surface.
 pub(super) fn around(data: &Buffers, place: [f32; 3]) -> f32 {
     let whole = &data.bounds[0];
     let at = |k: usize| {

@@ -1,5 +1,5 @@
-//! Stage `entry_sums`: the light that enters each triangle in integers, summed from triangle to triangle, for photons
-//! to be drawn by; and a walk of which nothing has happened yet.
+//! Stage `entry_sums`: the light that enters each triangle, in integers summed from triangle to triangle, by which
+//! photons are drawn; it also clears the photons, balances and exits of the walk.
 
 use super::{blocks, factor, words64};
 use crate::error::Result;
@@ -46,10 +46,10 @@ fn cpu(state: &mut State, _at: Scope) {
     let wide = |sum: [u64; 3], k: usize| sum.map(|sum| words64(sum)[k]);
     for block in 0..=count {
         let first = block * ENTRY_BLOCK as usize;
-        let own = first..(first + ENTRY_BLOCK as usize).min(faces);
-        let most = if block == count { all } else { most(own.clone()) };
+        let members = first..(first + ENTRY_BLOCK as usize).min(faces);
+        let most = if block == count { all } else { most(members.clone()) };
         made.push(EntryBlock { low: wide(sum, 0), high: wide(sum, 1), most });
-        for face in own {
+        for face in members {
             let light = light(data, face);
             sum = [0, 1, 2].map(|c| sum[c] + (light[c] * factor(all[c])) as u64);
             sums.push(EntrySum { low: wide(sum, 0), high: wide(sum, 1) });

@@ -1,8 +1,8 @@
 //! Stage `exit_radiosity`: each triangle's radiosity, and its standard error, from the weights of the photons that left
 //! through it.
 //!
-//! A photon leaves through one triangle, once. So the squares of the weights that left there give the variance of
-//! their sum without batches: of N photons of which single ones left with weight w, sum w^2 - (sum w)^2 / N.
+//! A photon leaves through at most one triangle, once. So the squares of the weights w that left through a triangle
+//! give the variance of their sum without batches: sum w^2 - (sum w)^2 / N, for N photons.
 
 use rayon::prelude::*;
 

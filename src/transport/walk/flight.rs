@@ -13,18 +13,18 @@ use crate::layout::{
     Buffers, ExitSum, NONE, Photon, WALK_FLIGHTS, WALK_FREE, WALK_LIGHT, WALK_SQUARE_BITS, WalkBalance,
 };
 
-/// What leaves through a triangle: for each channel, after one collision, after more, squares.
+/// Weights that left through a triangle: for each channel after one collision, after more, and the sum of squares.
 #[derive(Default)]
 pub(super) struct Exit([[AtomicU64; 3]; 3]);
 
 impl Exit {
-    /// That of a buffer.
+    /// From a buffer's record.
     pub fn of(sum: &ExitSum) -> Self {
         let square = |c: usize| sum64([sum.square[c], sum.square_high[c]]);
         Self([0, 1, 2].map(|c| [sum.once(c), sum.more(c), square(c)].map(AtomicU64::new)))
     }
 
-    /// As a buffer has it.
+    /// As a buffer's record.
     pub fn sum(&self) -> ExitSum {
         let word = |kind: usize, high: usize| [0, 1, 2].map(|c| words64(self.0[c][kind].load(Ordering::Relaxed))[high]);
         ExitSum {
@@ -48,7 +48,7 @@ fn add(sum: &mut [u32; 2], more: u32) {
     *sum = words64(sum64(*sum) + u64::from(more));
 }
 
-/// The direction after a collision: Henyey and Greenstein's, of this mean cosine.
+/// The direction after a collision, drawn by Henyey and Greenstein's phase function with this mean cosine.
 pub(super) fn scattered(way: [f32; 3], forward: f32, random: [u32; 2]) -> [f32; 3] {
     let u = unit_random(random[0]);
     let cosine = if forward == 0.0 {
@@ -90,8 +90,8 @@ fn drawn(data: &Buffers, channel: usize, photon: &mut Photon) -> Drawn {
     (minus_log(unit_random(random[0])) * params.free_path[channel], random)
 }
 
-/// Some flights of a photon that is under way: free ones, to a collision far from the surface; then one that may meet
-/// it.
+/// A few flights of a photon that is under way: free ones, to a collision far from the surface; then one that may meet
+/// the surface.
 pub(super) fn fly(data: &Buffers, channel: usize, photon: &mut Photon, balance: &mut WalkBalance, exits: &[Exit]) {
     let mut flight = drawn(data, channel, photon);
     for _ in 0..WALK_FREE {
@@ -145,7 +145,7 @@ mod tests {
     fn free_paths_and_directions_have_their_moments() {
         let count = 400_000u32;
         let random = |k: u32| random4(k, 3, 1, 9);
-        let mean = |of: &dyn Fn([u32; 4]) -> f64| (0..count).map(|k| of(random(k))).sum::<f64>() / f64::from(count);
+        let mean = |f: &dyn Fn([u32; 4]) -> f64| (0..count).map(|k| f(random(k))).sum::<f64>() / f64::from(count);
         // Of an exponential distribution, the n-th moment is n!.
         for (n, factorial) in [(1, 1.0), (2, 2.0), (3, 6.0)] {
             let moment = mean(&|r| f64::from(minus_log(unit_random(r[0]))).powi(n));

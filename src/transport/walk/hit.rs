@@ -9,7 +9,7 @@ use crate::layout::{Buffers, NONE, UNFINISHED, WALK_MARGIN};
 pub(crate) enum Meeting {
     /// Inside the medium.
     Free,
-    /// No way out: through a hole of the surface, or another part of it that is passed inward.
+    /// At a triangle that is passed inward: the flight came out through a hole, or the surface overlaps itself.
     Lost,
     /// On this triangle of the object, with these weights of its corners, not normalised.
     At(usize, [f32; 3]),
@@ -51,7 +51,7 @@ pub(crate) fn meeting(data: &Buffers, origin: [f32; 3], way: [f32; 3], path: f32
         let Some(found) = ray.pierce(corners.map(|corner| minus(corner, origin))) else { continue };
         let outward = (found.weights[0] + found.weights[1] + found.weights[2] > 0.0) == (main > 0.0);
         let (mine, its) = (found.numerator * nearest.denominator, nearest.numerator * found.denominator);
-        // Of two at the same distance, such as at an edge, a way out, then the first one.
+        // Of two at the same distance, as at an edge, a way out counts, else the lower number.
         let better = if outward == way_out { bounds.face < nearest.face } else { outward };
         // The origin's depth below the plane, and how much of it rounding explains.
         let normal = cross(minus(corners[1], corners[0]), minus(corners[2], corners[0]));

@@ -19,7 +19,7 @@ use crate::layout::{Buffers, ENTRY_BLOCK, EntryBlock, EntrySum, ExitSum, WALK_SQ
 use crate::state::stage::{Cpu, Gpu};
 use crate::state::{Carrier, Stage};
 
-/// A stage of the random walk; it says what it has of its own.
+/// Defaults of a stage of the random walk.
 const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
     Stage { module: "transport/walk", carriers: &[Carrier::Walk], ..super::stage(cpu, gpu) }
 }
@@ -49,13 +49,13 @@ pub fn factor(most: u32) -> f32 {
 }
 
 impl EntryBlock {
-    /// Its light in one channel.
+    /// The light of all blocks before this one in one channel, as an integer.
     #[must_use]
     pub fn sum(&self, channel: usize) -> u64 {
         sum64([self.low[channel], self.high[channel]])
     }
 
-    /// All light that enters in one channel, area times irradiance, if this is the block beyond the last one.
+    /// All light that enters in one channel, area times irradiance, if this is the entry after the last block's.
     #[must_use]
     pub fn light(&self, channel: usize) -> f64 {
         self.sum(channel) as f64 / f64::from(factor(self.most[channel]))
@@ -63,7 +63,7 @@ impl EntryBlock {
 }
 
 impl EntrySum {
-    /// The light up to this triangle in one channel.
+    /// The light of all triangles up to and with this one in one channel, as an integer.
     #[must_use]
     pub fn sum(&self, channel: usize) -> u64 {
         sum64([self.low[channel], self.high[channel]])
@@ -83,7 +83,7 @@ impl ExitSum {
         sum64([self.more[channel], self.more_high[channel]])
     }
 
-    /// Photons of full weight that left, and the sum of squares of their weights.
+    /// The sum of the weights that left, and that of their squares, in units of full weight.
     #[must_use]
     pub fn moments(&self, channel: usize) -> [f64; 2] {
         let whole = f64::from(WALK_WEIGHT);

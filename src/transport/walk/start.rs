@@ -16,7 +16,7 @@ pub(crate) fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
     unit(cross(minus(b, a), minus(c, a)).map(|x| FAR_FROM_DENORMAL * x))
 }
 
-/// The triangle at a place of 32 bits in the light that enters.
+/// The triangle at this share of the light that enters, `place` / 2^32.
 fn drawn(data: &Buffers, channel: usize, place: u32) -> usize {
     let light = (u128::from(total(data).sum(channel)) * u128::from(place)) >> 32;
     let below = data.entry_sums.partition_point(|sum| u128::from(sum.sum(channel)) <= light);
@@ -54,8 +54,9 @@ pub(crate) fn entered(data: &Buffers, light: &Light, channel: usize, face: usize
     (if counts { sum } else { 0.0 }, toward)
 }
 
-/// The unit direction inside, of a photon that enters a triangle, in the object's own frame. The lights are drawn by
-/// what enters from each; what none of them explains is the environment's, and comes as from all around.
+/// The unit direction inside of a photon that enters a triangle, in the object's own frame. A light is drawn by how
+/// much light enters from each; irradiance that none of them explains is the environment's, and comes evenly from all
+/// directions.
 fn entry(data: &Buffers, channel: usize, face: usize, normal: [f32; 3], number: u32, random: u32) -> [f32; 3] {
     let (params, eta) = (&data.object_params[0], data.object_params[0].eta[channel]);
     let out = turned(params, normal);
@@ -99,7 +100,7 @@ pub(super) fn start(data: &Buffers, slot: u32, photon: &mut Photon, balance: &mu
     let [a, b, c] = corners;
     let (b, c) = (minus(b, a), minus(c, a));
 
-    // Evenly over the parallelogram; its other half is folded back.
+    // Drawn evenly over the parallelogram, whose other half is folded back.
     let (u, v) = (unit_random(random[1]), unit_random(random[2]));
     let (across, up) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
     *photon = Photon {

@@ -1,4 +1,4 @@
-// The error laws: what is left out of a link, relative to the reference level, is at most
+// The error laws: the error of a link, relative to the reference level, is at most
 //   factor W tau^n sum_j z_j p(s_j) (q2 / (2 s_j^2))^n = factor W sum_j z_j p(s_j) chi_j^n.
 
 float power_of(uint law) {

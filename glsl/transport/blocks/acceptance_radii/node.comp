@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Each node's distances: beyond them its light is negligible, one link serves, one expansion serves, 6 area points
-// serve.
+// Each node's four distances: beyond them its light is negligible, one link serves, one expansion serves, and 6 area
+// points serve.
 layout(constant_id = 0) const uint ORDER = 2;
 layout(constant_id = 1) const uint ANY_LIGHT = 0;
 layout(constant_id = 2) const uint LAYERS = 0;
@@ -34,7 +34,7 @@ Source source_of(uint node) {
     return Source(moments[node].center, moments[node].weight, s.diagonal.x + s.diagonal.y + s.diagonal.z, s.radius);
 }
 
-// The distance beyond which a link of strength W tau^n, given as a logarithm, stays within `allowed`; `head` is the
+// The distance beyond which a link of strength W tau^n, given as a logarithm, stays within `allowed`; `head` has the
 // law's largest value, and how far it falls.
 float range_of(uint which, vec2 head, float strength, float allowed) {
     uint base = which * (RANGE_ENTRIES + 2);
@@ -57,12 +57,13 @@ float reach(float radius, float range) { return range > 0.0 ? radius + range : -
 
 void main() {
     uint node = invocation();
-    // What all invocations share is read before any of them returns: after that some drivers read it once for each.
+    // Values that all invocations share are read before any of them returns: after that some drivers read them once for
+    // each.
     float z = min(object_params[0].z_real.x, min(object_params[0].z_real.y, object_params[0].z_real.z)), error = object_params[0].link_error;
     // Layers lie on the surface.
     z = LAYERS != 0 ? 0.0 : z;
     if (LAYERS != 0) error *= layer_gain(clusters[0].area);
-    // A flat disc of a block's mean area, and four times more for each further class.
+    // The mean square radius of a flat disc of a block's mean area; each further class has four times more.
     float disc = log2(max(clusters[0].area / (6.2831853 * float(object_params[0].usual_blocks)), 1e-30));
     vec2 heads[ERROR_LAWS];
     for (uint k = 0; k < ERROR_LAWS; ++k) {
@@ -82,7 +83,7 @@ void main() {
         float trace = source.trace;
         float accept = range_of(rule, head, weight + power_of(rule) * tau, error);
         if (leaf) accept = max(accept, valid(trace, SAMPLE_CHI, z));
-        // The laws hold at a cluster's nearest point; a triangle's at its centroid.
+        // The laws hold from a cluster's nearest point, and from a triangle's centroid.
         float radius = leaf ? 0.0 : source.radius;
         emitter.place.w = reach(source.radius, range_of(LAW_MAGNITUDE, heads[LAW_MAGNITUDE],
                                                         weight, DROPPED_SHARE * error));

@@ -59,7 +59,7 @@ void main() {
     float power = power_of(which);
     float top = law(0.0, power), depth = min(RANGE_DEPTH, top - law(FARTHEST, power));
     float wanted = top - depth * float(entry) / float(RANGE_ENTRIES - 1);
-    // In the fourth root of the distance: small ones matter as much as large ones.
+    // Bisects the fourth root of the distance: small distances matter as much as large ones.
     float low = 0.0, high = 1.41421356;
     for (uint k = 0; k < 30; ++k) {
         float middle = 0.5 * (low + high), squared = middle * middle;

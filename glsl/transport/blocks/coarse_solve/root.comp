@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Root of the area-weighted mean of B^2 over the samples, each by its chance.
+// Root of the area-weighted mean of B^2 over the samples, each divided by its chance.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(object_params)

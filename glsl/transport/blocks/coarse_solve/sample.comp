@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// The coarse solution at a few receivers: one half evenly among the triangles, one half by the light.
+// The coarse solution at a few receivers: one half drawn evenly among the triangles, one half by the light.
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(object_params)
 READS(topology)
@@ -19,7 +19,7 @@ WRITES(samples)
 const uint HALF = COARSE_SAMPLES / 2;
 const uint COARSE_RUN = 16; // clusters that are summed by themselves
 
-// The triangle at this share of the light: decisions, so exact.
+// The leaf of the triangle at sample k's share of the light: decisions, so exact.
 uint by_light(uint k) {
     precise float target = moments[0].weight * ((float(k) + 0.5) * (1.0 / float(HALF)));
     uint node = 0;
@@ -34,17 +34,17 @@ uint by_light(uint k) {
     return node;
 }
 
-vec3 x; // where the sample is
-vec3 plane; // what the whole plane would give
+vec3 x; // the sample's position
+vec3 plane; // radiosity under the whole plane of unit irradiance
 Dipole dipoles[3];
 
-// Whether a node is far enough to be taken as one.
+// Whether a node is far enough to be taken as a whole.
 bool is_far(Moment m, float coarse) {
     precise float reach2 = coarse * coarse;
     return distance2(x, m.center) >= reach2;
 }
 
-// What a cluster sends, or a triangle that is not far.
+// The light that a far node sends to the sample, or a triangle that is not far.
 vec3 sent(uint node, Moment m, SecondMoments s, bool far) {
     vec3 d = x - m.center, sum = vec3(0);
     float d2 = dot(d, d), tau = s.diagonal.x + s.diagonal.y + s.diagonal.z;
@@ -60,7 +60,7 @@ vec3 sent(uint node, Moment m, SecondMoments s, bool far) {
 }
 
 uint visit(uint node, out uint word) {
-    // All is loaded at once, what is behind the node, too.
+    // Everything is loaded at once, even data that only some nodes need.
     uint skip = topology[node].skip, right = topology[min(node + 1, object_params[0].nodes - 1)].skip;
     Moment m = moments[node];
     bool far = is_far(m, second_moments[node].coarse), opens = m.weight > 0.0 && !far && skip != node + 1;
@@ -68,8 +68,8 @@ uint visit(uint node, out uint word) {
     return opens ? right : 0;
 }
 
-// The sum over the tree: of each run of COARSE_RUN clusters by itself, then of these sums, so that runs may be summed
-// at once.
+// The sum over the tree: each run of COARSE_RUN clusters is summed by itself, then these sums are, so that runs may be
+// summed at once.
 vec3 sum_alone() {
     vec3 sum = vec3(0), run = vec3(0);
     uint node = 0, end = object_params[0].nodes, count = 0;
@@ -93,7 +93,7 @@ vec3 sum_alone() {
 
 shared vec3 run_sums[POOL / COARSE_RUN + 1];
 
-// The same for the first invocation of the group.
+// The same sum, for the first invocation of the group.
 vec3 sum_together() {
     uint self = gl_LocalInvocationIndex;
     bool cut;

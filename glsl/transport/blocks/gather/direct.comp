@@ -4,9 +4,9 @@
 #include "layout.glsl"
 #include "shuffle.glsl"
 
-// Emitters too near to be expanded, each at every receiver of the block. As many emitters are loaded at once as
-// neighbouring invocations share a block, one each, and shuffled. Each run of DIRECT_RUN emitters is summed by itself,
-// then these sums are, in their order: so runs may be summed at once.
+// Sums emitters too near to be expanded, each at every receiver of the block. Neighbouring invocations that share a
+// block load one emitter each, and shuffle them. Each run of DIRECT_RUN emitters is summed by itself, then these sums
+// are, in their order: so runs may be summed at once.
 layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = TEAMS_ID) const uint TEAMS = 1; // invocations that share a receiver: 1, or the group has one block
 layout(constant_id = 0) const uint CHANNELS = 7;
@@ -33,10 +33,10 @@ const uint DIRECT_RUN = 16; // emitters that are summed by themselves
 const uint DIRECT_RUNS = 8; // such runs that a group sums at once
 
 Dipole dipoles[3];
-// Of one receiver.
+// The sums of one receiver.
 vec3 sum, error;
 
-// Adds an emitter to them, for a receiver in this direction from it.
+// Adds an emitter to them, for a receiver at `d` from it.
 void add(ClusterMoments m, vec3 d) {
     float d2 = dot(d, d);
     float half_tau = ORDER == 2 ? 0.5 * (m.diagonal.x + m.diagonal.y + m.diagonal.z) : 0.0;
@@ -51,7 +51,7 @@ void add(ClusterMoments m, vec3 d) {
     })
 }
 
-// Adds as many emitters of the list, from this one on, as are loaded at once.
+// Adds as many emitters of the list as are loaded at once, from number `at` on.
 void add_some(vec3 x, uint first, uint at, uint count, uint width) {
     uint mine = SUBGROUP_LANE % width, base = SUBGROUP_LANE - mine;
     ClusterMoments load = cluster_moments(entries[first + min(at + mine, count - 1)]);
@@ -92,7 +92,7 @@ void main() {
             }
         }
     } else {
-        // The group has one block, so that all of it comes to each barrier.
+        // The group has one block, so that all its invocations reach each barrier.
         for (uint begin = 0; begin < count; begin += DIRECT_RUNS * DIRECT_RUN) {
             for (uint k = team; k < DIRECT_RUNS; k += TEAMS) {
                 uint from = begin + k * DIRECT_RUN, to = min(from + DIRECT_RUN, count);

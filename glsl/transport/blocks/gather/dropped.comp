@@ -3,7 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Only if the error is estimated: the light of the emitters that each block leaves out, all of one sign.
+// Only if the error is estimated: the light of the emitters that each block leaves out. All of it has the same sign, so
+// it is added before it is squared.
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(moments)
 READS(second_moments)

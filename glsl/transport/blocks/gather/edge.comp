@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// The nearest triangles by the edge form, each at every receiver of the block.
+// Adds the nearest triangles by the edge form, each at every receiver of the block.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint NODES = 6;

@@ -29,7 +29,7 @@ const uint EXPAND_RUNS = 32; // such runs that a group sums at once
 
 Dipole dipoles[3];
 
-// A run's sums.
+// The expansion of one run of emitters.
 Expansion sum_of(uint block, uint first, uint last) {
     vec3 center = spheres[block].center;
     vec3 value = vec3(0), error = vec3(0), bend = vec3(0);
@@ -85,10 +85,10 @@ void put(uint at, vec3 v) {
 }
 vec3 got(uint at) { return vec3(sums[at], sums[at + 1], sums[at + 2]); }
 
-// The sum for the first invocation of the group.
+// The sum of all runs, for the first invocation of the group.
 Expansion sum_together(uint block, uint first, uint last) {
     uint self = gl_LocalInvocationIndex;
-    float own[2] = float[2](0, 0); // of the numbers self, self + LANES: NUMBERS are at most two rounds
+    float own[2] = float[2](0, 0); // sums of the numbers self and self + LANES: two rounds cover all NUMBERS
     for (uint begin = first; begin < last; begin += EXPAND_RUNS * EXPAND_RUN) {
         uint runs = min((last - begin + EXPAND_RUN - 1) / EXPAND_RUN, EXPAND_RUNS);
         barrier();
@@ -125,7 +125,7 @@ void main() {
     else for (uint at = first; at < last; at += EXPAND_RUN) sum = plus(sum, sum_of(block, at, min(at + EXPAND_RUN, last)));
     if (LANES > 1 && gl_LocalInvocationIndex > 0) return;
     if (ALONE == 0) {
-        // Other channels belong to other groups.
+        // Other groups' channels are kept.
         Expansion old = expansions[block];
         sum = Expansion(only_group(sum.value, old.value),
             only_group(sum.x, old.x), only_group(sum.y, old.y), only_group(sum.z, old.z),

@@ -1,7 +1,7 @@
-// BLOCK_RECEIVERS receivers a block, of which the last ones may be absent; one invocation each, or one of each team.
+// A block has BLOCK_RECEIVERS receivers, the last of which may be absent; each has one invocation, or one of each team.
 struct Receiver { uint run; uint face; bool present; vec3 x; };
 
-// The includer reads blocks and places, and has `range`.
+// The includer reads `blocks` and `receiver_positions`, and has `range`.
 Receiver receiver_of(uint run, uint place, bool present) {
     Block block = blocks[range.first + run];
     uint slot = place % BLOCK_RECEIVERS;

@@ -2,19 +2,19 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// How long each block's lists will be, and what is in them, in the order of the walk.
+// Counts the entries of each block's lists, and keeps the first ones in the order of the walk.
 UPDATES(runs)
 UPDATES(counters)
 WRITES(decisions)
 #include "transport/blocks/share.glsl"
 #include "transport/blocks/link/walk.glsl"
 
-const uint KIND_BITS = 3; // of a decision whose kind is below its node
+const uint KIND_BITS = 3; // of a decision that has its kind in the low bits
 
 uint count[LINK_KINDS] = uint[LINK_KINDS](0, 0, 0, 0, 0, 0);
 uint first, kept = 0;
 void on_emitter(uint kind, uint node) {
-    // What is not kept is overwritten by what follows.
+    // Decisions that are not kept are overwritten by the next one.
     decisions[first + min(kept, LINK_KEPT - 1)] = kind << LINK_SHIFT | node;
     kept += uint(listed(kind));
     for (uint k = 0; k < LINK_KINDS; ++k) count[k] += uint(kind == k);
@@ -26,7 +26,7 @@ uint visit(uint node, out uint word) {
     Emitter e = emitters[node];
     uint kind = kind_of(block, node, e);
     for (uint k = 0; k < LINK_KINDS; ++k) count[k] += uint(kind == k);
-    // By nodes, as a walk alone meets them.
+    // Sorted by node: the order in which one invocation alone meets them.
     uint by_node = node << KIND_BITS | kind;
     last = max(last, by_node);
     word = listed(kind) ? by_node : NONE;
@@ -38,7 +38,7 @@ uint decision(uint by_node) { return (by_node & (1u << KIND_BITS) - 1) << LINK_S
 shared uint counts[LINK_KINDS];
 shared uint last_of_all;
 
-// A block's walk by the group; `count` is the whole block's afterwards.
+// A block's walk by the whole group; afterwards `count` is the whole block's.
 void together(uint number) {
     uint self = gl_LocalInvocationIndex;
     if (self < LINK_KINDS) counts[self] = 0;
@@ -55,7 +55,7 @@ void together(uint number) {
     if (noted) {
         for (uint k = self; k < min(total, LINK_KEPT - 1); k += LANES) decisions[first + k] = decision(found(k));
     } else if (self == 0) {
-        // Not all was noted. The first ones are found alone.
+        // Not all decisions were noted: one invocation finds the first ones again.
         for (uint node = 0; kept < min(total, LINK_KEPT - 1);) {
             Emitter e = emitters[node];
             uint kind = kind_of(block, node, e);
@@ -63,7 +63,7 @@ void together(uint number) {
             node = kind == LINK_OPENED ? node + 1 : e.skip;
         }
     }
-    // As alone, where what is not kept is overwritten by what follows.
+    // The same last word as a walk alone leaves, where decisions that are not kept are overwritten.
     bool ends_listed = listed(last_of_all & (1u << KIND_BITS) - 1);
     if (self == 0 && (!ends_listed || total >= LINK_KEPT)) decisions[first + min(total, LINK_KEPT - 1)] = decision(last_of_all);
 }

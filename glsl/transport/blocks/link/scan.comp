@@ -20,7 +20,7 @@ const uint BLOCKS_A_GROUP = GROUP_SIZE / BLOCK_RECEIVERS;
 void main() {
     uint self = gl_LocalInvocationIndex;
     uvec2 run = own_run(range.count);
-    // Entries, and blocks that have near triangles; the most of these that a block has.
+    // The entries, the blocks that have near triangles, and the most near triangles of a block.
     uvec2 sum = uvec2(0);
     uint most = 0;
     if (self == 0) most_near = 0;
@@ -44,7 +44,7 @@ void main() {
         if (fits && one.area + one.edge > 0) near[next_near++] = i;
     }
     if (self == 0) {
-        // For the kernels that take near triangles.
+        // The groups of the kernels for near triangles.
         uint blocks_near = fits ? sum_of_all().y : 0;
         near_groups[0] = uvec3((blocks_near + BLOCKS_A_GROUP - 1) / BLOCKS_A_GROUP, 1, 1);
         near_groups[1] = uvec3(blocks_near, 0, 0);

@@ -22,7 +22,7 @@ struct Seen { Sphere sphere; uint size_class; bool expandable; };
 
 Seen seen(uint block) {
     Sphere sphere = spheres[block];
-    // A class for the block's spread; beyond the last nothing is expanded.
+    // The class of the block's spread; beyond the last class nothing is expanded.
     uint size_class = uint(sphere.relative_moment > BLOCK_CLASSES[0]) + uint(sphere.relative_moment > BLOCK_CLASSES[1]) +
                       uint(sphere.relative_moment > BLOCK_CLASSES[2]);
     return Seen(sphere, size_class, sphere.relative_moment <= BLOCK_CLASSES[3]);
@@ -38,12 +38,12 @@ uint kind_of(Seen block, uint node, Emitter e) {
          : beyond(d2, e.accept, radius) ? LINK_DIRECT : near;
 }
 
-// Whether a list has what is taken so.
+// Whether nodes of this kind are listed.
 bool listed(uint kind) { return kind != LINK_DROPPED && kind != LINK_OPENED; }
 
 void on_emitter(uint kind, uint node);
 
-// One invocation's walk, from this node on. False where the driver has cut the loop short.
+// One invocation's walk, from this node on. Returns false if the driver has cut the loop short.
 bool walk(uint number, uint node) {
     Seen block = seen(number);
     uint end = object_params[0].nodes;

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Writes each block's lists where the scan placed them, from what `count` kept, and by another walk beyond that.
+// Writes each block's lists where the scan placed them: the decisions that `count` kept, then those of another walk.
 READS(runs)
 READS(counters)
 READS(decisions)
@@ -22,17 +22,17 @@ Seen block;
 uint visit(uint node, out uint word) {
     Emitter e = emitters[node];
     uint kind = kind_of(block, node, e);
-    // By kinds, as lists follow each other.
+    // Sorted by kind: the order of the lists.
     word = listed(kind) ? kind << LINK_SHIFT | node : NONE;
     return kind == LINK_OPENED ? e.right : 0;
 }
 
 shared uvec4 kinds_before[MOST_LANES];
 
-// A kind's place in a vector: lists follow each other by kinds.
+// 1 in the component of the decision's kind, in the order of the lists, else 0.
 uvec4 one_of(uint decision) { return uvec4(equal(uvec4(LINK_EXPANDED, LINK_DIRECT, LINK_AREA, LINK_EDGE), uvec4(decision >> LINK_SHIFT))); }
 
-// What `count` kept, by kinds: each invocation has a run of it, and counts what comes before.
+// Writes the decisions that `count` kept, by kind: each invocation takes a run of them, and counts those before it.
 void write_known(uint first, Runs one, uint total) {
     uint self = gl_LocalInvocationIndex, each = (total + LANES - 1) / LANES;
     uint begin = first + min(self * each, total), end = first + min(self * each + each, total);
@@ -86,6 +86,6 @@ void main() {
         node = decision & ((1u << LINK_SHIFT) - 1);
         on_emitter(decision >> LINK_SHIFT, node);
     }
-    // The walk goes on behind the last of them.
+    // The walk goes on after the last of them.
     if (known < total) walk(range.first + i, emitters[node].skip);
 }

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A triangle's moments: its light at the centroid, or its area if there is no LEAD, and its own second moment.
+// A triangle's moments: the light of channel LEAD at the centroid, or its area if LEAD is NONE, and its second moments.
 layout(constant_id = 0) const uint LEAD = 0;
 READS(object_params)
 READS(leaves)

@@ -1,5 +1,5 @@
-// A cluster's moments from its two children's, by the parallel axes. The includer has topology, bounds, clusters, and
-// moments and second_moments to read and write.
+// A cluster's moments from its two children's, by the parallel axis theorem. The includer reads topology, bounds and
+// clusters, and reads and writes moments and second_moments.
 #include "transport/blocks/pull/coarse.glsl"
 
 void pull(uint node) {
@@ -7,13 +7,13 @@ void pull(uint node) {
     Moment l = moments[left], r = moments[right];
     SecondMoments ls = second_moments[left], rs = second_moments[right];
     float weight = l.weight + r.weight;
-    // Without light, the middle.
+    // Without light the middle counts.
     float share = weight > 0.0 ? r.weight / weight : 0.5;
     vec3 center = ORDER == 0 ? clusters[node].center : l.center + share * (r.center - l.center);
     vec3 to_l = l.center - center, to_r = r.center - center;
     vec3 diagonal = mix(ls.diagonal + to_l * to_l, rs.diagonal + to_r * to_r, share);
     vec3 mixed = mix(ls.mixed + to_l.yzx * to_l.zxy, rs.mixed + to_r.yzx * to_r.zxy, share);
-    // Two bounds on the radius: round the children's spheres, and round the box.
+    // Two bounds on the radius: around the children's spheres, and around the box.
     float spheres = max(length(to_l) + ls.radius, length(to_r) + rs.radius);
     vec3 corner = max(center - bounds[node].low, bounds[node].high - center);
     float radius = min(spheres, length(corner));

@@ -2,9 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Each receiver's sum: what it received itself, its block's expansion, and half of its own value. The source term is
-// the first vector; with a solution to start from, its product is taken off, and the second vector keeps the term
-// itself until its norm is known.
+// Each receiver's sum: the light it received itself, its block's expansion, and half of its own value. The source term
+// is the first vector; with a solution to start from, the operator's product with it is subtracted, and the second
+// vector keeps the source term until its norm is known.
 layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = 0) const uint SOURCE = 0;
 layout(constant_id = 1) const uint SOLUTION = 0;

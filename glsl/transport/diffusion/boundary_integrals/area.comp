@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Near triangles by 6 area points, each at every receiver of the block; but not those whose layers are kept.
+// Adds near triangles by 6 area points, each at every receiver of the block; but not those whose layers are kept.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint KEPT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; Range part; };

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 
 // A cluster's layers from its two children's, shifted to its middle; one level a dispatch. The middle is that of the
-// area, or, of the source term, which is nowhere negative, that of the charge in each channel.
+// area; for the source term, which is nowhere negative, it is that of the charge in each channel.
 layout(constant_id = 0) const uint SOURCE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(object_params)
@@ -18,7 +18,7 @@ UPDATES(layer_squares)
 UPDATES(layer_products)
 #include "transport/diffusion/layers.glsl"
 
-// Adds a child whose middle is at x, y, z from here.
+// Adds a child whose middle is at x, y, z from the cluster's.
 void add(inout Layers sum, Layers one, vec3 x, vec3 y, vec3 z) {
     vec3 half_w = 0.5 * one.w;
     sum.w += one.w;

@@ -4,8 +4,8 @@
 #include "layout.glsl"
 #include "shuffle.glsl"
 
-// Clusters too near to be expanded, each at every receiver of the block. One invocation a receiver; as many clusters
-// are loaded at once as invocations share a block, one each, and shuffled.
+// Sums clusters too near to be expanded, each at every receiver of the block. Each receiver has one invocation; those
+// that share a block load one cluster each, and shuffle them.
 layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = 0) const uint SOURCE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
@@ -39,8 +39,8 @@ void main() {
         uint last = min(width, count - at);
         for (uint k = 0; k < last; ++k) {
             uint from = base + k;
-            // About the middle of the source term's charge, which each channel has at its own place, there is no
-            // first moment, and nothing that its product with the area's would correct.
+            // The source term has the middle of its charge at its own place in each channel. About it there is no first
+            // moment, and so no product of that with the area's moments.
             bool source = SOURCE != 0;
             vec3 place = shuffled(vec3(load.x.x, load.y.x, load.z.x), from);
             vec3 px = source ? shuffled(load.x, from) : vec3(place.x), py = source ? shuffled(load.y, from) : vec3(place.y);

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A triangle's layers: of the vector that the operator is applied to, or of the source term, at its own place in depth.
+// A triangle's layers: those of the vector that the operator is applied to, or of the source term, which lies deeper.
 layout(constant_id = 0) const uint SOURCE = 0;
 layout(constant_id = 1) const uint SOLUTION = 0;
 layout(push_constant, scalar) uniform push_block { uint step; };

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Near triangles whose layers are kept, each at every receiver of the block.
+// Adds near triangles whose layers are kept, each at every receiver of the block.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint KEPT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };

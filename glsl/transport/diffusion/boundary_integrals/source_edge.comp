@@ -2,11 +2,11 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Light deposited below near triangles, by the edge form where it is too near for area points. Each invocation looks
-// for the next such triangle of its own: there are few.
+// Adds light deposited below near triangles, by the edge form where it is too near for area points. Each invocation
+// looks for its own next such triangle: there are few.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint NODES = 6;
-// Nothing is kept of the light of a moment.
+// Layers of the light are not kept: light may change with every frame.
 const uint KEPT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; Range part; };
 READS(object_params)

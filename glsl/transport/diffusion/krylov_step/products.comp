@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Products of the newest vector with those before it, or with itself: means over the object's area. One group a vector.
+// Products of the newest vector with those before it, or with itself: means over the object's area. One group for each
+// product.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint PASS = 0;
 layout(push_constant, scalar) uniform push_block { uint newest; uint first; };
@@ -22,7 +23,7 @@ void main() {
     sum = sum_of_group(sum) / max(clusters[0].area, 1e-37);
     if (gl_LocalInvocationIndex != 0) return;
     small_system[SMALL_PRODUCTS + vector] = sum;
-    // The operator in this basis; what the second pass finds was left by rounding.
+    // The operator in this basis; the second pass finds what rounding left in the first.
     uint entry = SMALL_MATRIX + (newest - 1) * (MOST_STEPS + 1) + vector;
     if (vector < newest) small_system[entry] = PASS == 0 ? sum : small_system[entry] + sum;
 }

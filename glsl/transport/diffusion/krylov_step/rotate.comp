@@ -3,9 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Makes the newest column of the small system triangular by rotations; what then is left of the right-hand side is the
-// residual's norm, which is no number where the start is none. At the start the source term's norm is kept, too. One
-// invocation.
+// Makes the newest column of the small system triangular by rotations; the rest of the right-hand side is then the
+// residual's norm, which is NaN if the start has one. At the start the source term's norm is kept, too. One invocation.
 layout(constant_id = 0) const uint SOLUTION = 0;
 layout(push_constant, scalar) uniform push_block { uint newest; };
 UPDATES(small_system)

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Scales the newest vector to length 1. Where nothing is left, it is 0.
+// Scales the newest vector to length 1, or to 0 where nothing is left of it.
 layout(push_constant, scalar) uniform push_block { uint newest; };
 READS(object_params)
 READS(small_system)

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Takes its shares of the vectors before it off the newest one.
+// Subtracts from the newest vector its projections on the vectors before it.
 layout(push_constant, scalar) uniform push_block { uint newest; };
 READS(object_params)
 READS(small_system)

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The solution, and radiosity, which is nowhere negative; from what is left of the equation, an estimate of the error.
+// The solution, and radiosity, which is nowhere negative; and an estimate of the error, from the equation's residual.
 layout(constant_id = 0) const uint SOLUTION = 0;
 layout(constant_id = 1) const uint ESTIMATE = 0;
 layout(push_constant, scalar) uniform push_block { uint steps; };

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The coefficients of the solution, from the triangular system, the last one first; and of the residual, by rotations
-// backwards. One invocation.
+// The coefficients of the solution, from the triangular system, the last one first; and those of the residual, by the
+// rotations backwards. One invocation.
 layout(push_constant, scalar) uniform push_block { uint steps; };
 UPDATES(small_system)
 

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// What near triangles give at each receiver of a block, with charge 1: by 6 area points, or by the edge form.
+// The layers of near triangles at each receiver of a block, with charge 1: by 6 area points, or by the edge form.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint KEPT = 0;
 layout(constant_id = 1) const uint NODES = 6;

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "transport/links/form_factor/far.glsl"
 
-// One sample at the emitter's centre for every link; the nearer ones are computed again after.
+// Takes one sample at the emitter's centre for every link; later kernels compute the nearer links again.
 READS(counters)
 WRITES(factors)
 

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "transport/links/form_factor/projected.glsl"
 
-// The clusters among the links that take the edge form.
+// Computes the form factors of the clusters among the links that take the edge form.
 READS(counters)
 READS(edge_links)
 UPDATES(factors)

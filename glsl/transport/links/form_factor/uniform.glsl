@@ -1,4 +1,4 @@
-// Uniform point samples in place of the edge form: what the paper compares its form factor with.
+// Uniform point samples in place of the edge form; the paper compares its form factor with them.
 READS(object_params)
 READS(topology)
 READS(clusters)

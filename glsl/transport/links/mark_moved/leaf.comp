@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Whether a corner of a triangle has moved since links were made.
+// Whether a corner of a triangle has moved since its links were made.
 READS(object_params)
 READS(positions)
 READS(kept_positions)

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Whether the light that enters a triangle differs from that of the last sum.
+// Whether the light that enters a triangle differs from that at the last sum.
 READS(object_params)
 READS(leaves)
 READS(irradiance)

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "transport/links/reach/reach.glsl"
 
-// Of a cluster, for one sample; 0 where it has no border to integrate over.
+// A cluster's reach for one sample; 0 where it has no border to integrate over.
 READS(clusters)
 READS(borders)
 WRITES(cluster_reach)

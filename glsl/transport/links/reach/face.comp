@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "transport/links/reach/reach.glsl"
 
-// Of a triangle, for each rule of the ladder.
+// A triangle's reach for each rule of the ladder.
 READS(leaves)
 READS(clusters)
 WRITES(reach)

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// How long each receiver's lists will be; one level a dispatch.
+// Counts the entries of each receiver's lists; one level a dispatch.
 UPDATES(spans)
 UPDATES(counters)
 READS(handed)

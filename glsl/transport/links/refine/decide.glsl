@@ -1,5 +1,5 @@
 // Decisions on a pair: additions, multiplications and comparisons only, all `precise`, so that all devices agree.
-// The includer reads `frame`.
+// The includer reads `object_params`.
 #include "dipole/near.glsl"
 
 // Whether |A/d_child^2 - A/d^2| exceeds epsilon_1.

@@ -1,4 +1,4 @@
-// Starts a chunk: its lists are empty; handed-down emitters of the tree's top stay where they are.
+// Starts a chunk with empty lists; handed-down emitters of the tree's top stay where they are.
 layout(push_constant, scalar) uniform push_block { uint chunk; };
 UPDATES(counters)
 

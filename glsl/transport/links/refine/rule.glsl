@@ -1,4 +1,4 @@
-// How a link's form factor is evaluated. The includer reads object_params, and has distances by `dipole/near.glsl`.
+// How a link's form factor is evaluated. The includer reads `object_params`; d2 is a distance by `dipole/near.glsl`.
 READS(reach)
 READS(cluster_reach)
 
@@ -8,7 +8,7 @@ uint rule_of(float d2, vec4 radii) {
     return d2 >= min(radii.y, min(radii.z, radii.w)) ? RULE_AREA : RULE_EDGE;
 }
 
-// The same of a cluster: over its projection where it is nearer than its radius.
+// The same for a cluster: over its projection where the receiver is nearer than the cluster's reach.
 uint cluster_rule(float d2, uint node) {
     bool near = object_params[0].projected != 0 && d2 < cluster_reach[node];
     return near ? RULE_EDGE : RULE_SAMPLE;

@@ -1,6 +1,6 @@
 // Where each receiver's lists begin: a prefix sum over one level by one work group.
 // A list that does not fit is emptied and the overflow noted: the frame then runs again with more capacity.
-// The includer declares LISTS, returns their capacity, and notes what they need.
+// The includer declares LISTS, returns their capacities, and notes the capacities that they need.
 layout(push_constant, scalar) uniform push_block { Range range; uint keep; };
 READS(object_params)
 READS(order)
@@ -23,7 +23,7 @@ void main() {
     uvec4 before = sum_before(sum);
     uvec4 base = uvec4(counters[0].links, counters[0].areas, counters[0].edges, counters[0].hands);
     uvec4 total = base + sum_of_all();
-    // Counts stay true beyond the capacity, so that one more frame with the right capacity is enough; only emitters
+    // Counts stay right beyond the capacity, so that one more frame with the right capacity is enough; only emitters
     // that could not be handed down leave the levels below uncounted.
     bvec4 fit = lessThanEqual(total, rooms());
     bool links_fit = fit.x && fit.y && fit.z, hands_fit = fit.w;

@@ -4,7 +4,7 @@
 #define COUNTED_GROUPS
 #include "invocation.glsl"
 
-// The sum of `sum_links`, for the receivers in `busy` only.
+// The sum of `sum_links`, for the receivers in `active_receivers` only.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(counters)
 READS(active_receivers)

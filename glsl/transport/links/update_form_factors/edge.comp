@@ -5,7 +5,7 @@
 #include "invocation.glsl"
 #include "transport/links/form_factor/edge.glsl"
 
-// The due links that take the edge form: the last ones.
+// Computes the form factors of the due links that take the edge form: the last ones in `ranked_links`.
 READS(counters)
 READS(ranked_links)
 UPDATES(factors)

@@ -5,7 +5,7 @@
 #include "invocation.glsl"
 #include "transport/links/form_factor/far.glsl"
 
-// The due links that take one sample: the first ones.
+// Computes the form factors of the due links that take one sample: the first ones in `ranked_links`.
 READS(counters)
 READS(ranked_links)
 UPDATES(factors)

@@ -4,7 +4,7 @@
 #define COUNTED_GROUPS
 #include "invocation.glsl"
 
-// The due links of each receiver: the first ones that wait.
+// Picks the due links of each receiver: the first ones that wait.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(counters)
 READS(active_receivers)

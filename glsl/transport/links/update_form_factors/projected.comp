@@ -5,7 +5,7 @@
 #include "invocation.glsl"
 #include "transport/links/form_factor/projected.glsl"
 
-// The clusters among the due links that take the edge form.
+// Computes the form factors of the clusters among the due links that take the edge form.
 READS(counters)
 READS(ranked_links)
 UPDATES(factors)

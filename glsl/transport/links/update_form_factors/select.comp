@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// How many waiting links of each receiver are due, in order, as far as the budget goes, and which receivers are summed
-// again: prefix sums by one work group.
+// Selects how many waiting links of each receiver are due, in order, as far as the budget goes, and which receivers are
+// summed again: prefix sums by one work group.
 layout(push_constant, scalar) uniform push_block { Range range; uint chunk; };
 READS(object_params)
 READS(order)

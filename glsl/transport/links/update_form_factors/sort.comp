@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// The due links sorted by rule, each rule in order: a prefix sum by one work group.
+// Sorts the due links by rule, and keeps their order within each rule: a prefix sum by one work group.
 READS(object_params)
 READS(topology)
 READS(clusters)

@@ -5,7 +5,7 @@
 #include "invocation.glsl"
 #include "transport/links/form_factor/uniform.glsl"
 
-// The last of the due links by uniform point samples instead of the edge form.
+// Computes the last ones of the due links by uniform point samples instead of the edge form.
 READS(counters)
 READS(ranked_links)
 UPDATES(factors)

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// How many links each receiver makes and removes, and how many emitters it hands down; one level a dispatch. Nothing is
-// visited if the parent handed down nothing that is altered or that only one of the two refinements has.
+// Counts the links that each receiver makes and removes, and the emitters that it hands down; one level a dispatch. A
+// receiver visits nothing if its parent handed down no emitter that changed or that only one refinement has.
 UPDATES(edits)
 UPDATES(counters)
 READS(handed)

@@ -5,8 +5,8 @@
 #include "invocation.glsl"
 
 // Merges a receiver's new links into its list and takes the removed ones out, in the order of the emitters. Links whose
-// form factor is out of date are marked; until it is computed, a new link transfers as much for its area as the link
-// before it.
+// form factor is out of date are marked; until it is computed, a new link transfers as much per area as the link before
+// it.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(active_receivers)
 READS(clusters)

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Lists that change move behind all others of the chunk: the farthest end of a list, and a prefix sum over those that
-// move, by one work group. Receivers with links to merge are listed.
+// Moves lists that change behind all others of the chunk, by the farthest end of a list and a prefix sum over the lists
+// that move. Lists the receivers that have links to merge. One work group.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(object_params)
 READS(order)

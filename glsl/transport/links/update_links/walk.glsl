@@ -1,6 +1,6 @@
 // The refinements before and after a change, side by side. A receiver visits the emitters that its parent handed down
-// in either. Only pairs are decided of which a cluster is altered, or whose emitter's light has changed, or that only
-// one of the two refinements has.
+// in either. A pair is decided only if one of its clusters has moved, if its emitter's light has changed, or if only
+// one of the two refinements has it.
 READS(object_params)
 READS(topology)
 READS(clusters)

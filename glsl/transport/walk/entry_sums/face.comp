@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The light of the triangles up to each one; and nothing has left through it yet.
+// The light of all triangles up to and with each one; and its exits, which start empty.
 READS(object_params)
 READS(leaves)
 READS(clusters)

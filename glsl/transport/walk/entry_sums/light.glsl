@@ -1,4 +1,4 @@
-// The light that enters a triangle: area times irradiance, and in integers.
+// The light that enters a triangle: area times irradiance, as a number and as an integer.
 #include "transport/walk/entry_sums/factors.glsl"
 
 vec3 entering_light(uint face) {

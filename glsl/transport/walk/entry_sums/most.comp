@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The largest light that enters a triangle, of each block of triangles.
+// The largest light that enters a triangle, for each block of triangles.
 READS(object_params)
 READS(leaves)
 READS(clusters)

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The largest light of all blocks, beyond the last one.
+// The largest light of all blocks, in the entry after the last.
 READS(object_params)
 UPDATES(entry_blocks)
 

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Some flights of each photon under way: free ones, to a collision far from the surface; then one that may meet it,
-// where the photon leaves or is reflected.
+// A few flights of each photon under way: free ones, to a collision far from the surface; then one that may meet the
+// surface, where the photon leaves or is reflected.
 READS(object_params)
 READS(triangles)
 READS(positions)
@@ -24,7 +24,7 @@ uvec2 added(uvec2 sum, uint more) {
     return uvec2(low, sum.y + uint(low < more));
 }
 
-// A photon that leaves through a triangle.
+// Adds a photon that leaves through a triangle.
 void leave(uint face, uint channel, uint weight, bool once) {
     uint root = weight >> WALK_SQUARE_BITS, square = root * root;
     uint before = atomicAdd(exits[face].square[channel], square);
@@ -49,7 +49,7 @@ vec3 scattered(vec3 way, float forward, uvec4 random) {
     return kept_unit(about(way, cosine, unit_random(random.w)));
 }
 
-// How far the surface is from a place in the object, at least.
+// A lower bound on the distance of the surface from a place in the object.
 float around(vec3 place) {
     vec3 low = bounds[0].low, high = bounds[0].high;
     precise vec3 size = max(high - low, vec3(1e-20));

@@ -26,7 +26,7 @@ UPDATES(balances)
 #include "transport/walk/exact.glsl"
 #include "transport/walk/entering.glsl"
 
-// The triangle at a place of 32 bits in the light that enters.
+// The triangle at this share of the light that enters, `place` / 2^32.
 uint drawn(uint channel, uint place) {
     uint faces = object_params[0].faces, all = (faces + ENTRY_BLOCK - 1) / ENTRY_BLOCK;
     EntryBlock total = entry_blocks[all];
@@ -63,7 +63,7 @@ void main() {
     precise vec3 large = FAR_FROM_DENORMAL * cross3(b, c);
     vec3 normal = unit_of(large);
 
-    // Evenly over the parallelogram; its other half is folded back.
+    // Drawn evenly over the parallelogram, whose other half is folded back.
     float u = unit_random(random.y), v = unit_random(random.z);
     precise float both = u + v;
     bool fold = both > 1.0;

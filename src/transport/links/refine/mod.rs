@@ -1,9 +1,10 @@
-//! Stage `refine`: which node receives from which, by refining the pair (root, root) with the oracle of section 5.2.
+//! Stage `refine`: decides which node receives from which, by refining the pair (root, root) with the oracle of section
+//! 5.2.
 //!
 //! Receivers are walked level by level. Each takes the emitters that its parent handed down and, for each one, hands
 //! it down to its own children, splits the emitter, or links. Lists are counted, scanned and written, so that the
-//! links of every receiver are contiguous and in a fixed order. Lists have a fixed capacity; the counters record one
-//! that does not fit.
+//! links of every receiver are contiguous and in a fixed order. Lists have a fixed capacity; the counters record the
+//! capacity that they need.
 
 mod walk;
 
@@ -172,7 +173,7 @@ fn decide(walk: &Walk<'_>, data: &crate::layout::Buffers, receiver: u32) -> List
     lists
 }
 
-/// A chunk begins, and each level counts, scans and writes; `update_links` begins with its own kernels in this order.
+/// Starts a chunk, then counts, scans and writes each level; `update_links` starts with its own kernels in this order.
 pub(super) fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (schedule, chunk) = (&pass.object().schedule, pass.at.chunk);
     pass.dispatch(Some("open"), &[], &(chunk as u32).to_le_bytes(), 1)?;

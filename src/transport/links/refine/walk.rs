@@ -1,5 +1,5 @@
-//! The oracle of section 5.2 as a walk over emitters: decisions, so `f32` additions, multiplications and comparisons
-//! only, in the order of `glsl/transport/links/refine/walk.glsl`, and the two agree bit for bit.
+//! The oracle of section 5.2 as a walk over emitters: decisions, by `f32` additions, multiplications and comparisons
+//! only, in the order of `glsl/transport/links/refine/walk.glsl`, so that the two agree bit for bit.
 
 use crate::dipole::distance2;
 use crate::layout::{
@@ -39,7 +39,7 @@ pub fn rule(d2: f32, radii: [f32; 4]) -> u32 {
     }
 }
 
-/// The same for a cluster with this squared radius: without one, it takes one sample.
+/// The quadrature rule for a cluster with this squared radius at this squared distance; without a radius, one sample.
 pub fn cluster_rule(d2: f32, radius: Option<&f32>) -> u32 {
     if radius.is_some_and(|&radius| d2 < radius) { RULE_EDGE } else { RULE_SAMPLE }
 }
@@ -97,7 +97,7 @@ pub fn children(topology: &[Topology], clusters: &[Cluster], node: usize) -> Opt
 }
 
 impl<'a> Walk<'a> {
-    /// For the tree and radii of `data`.
+    /// The walk over the tree of `data`, by its radii.
     pub fn new(data: &'a Buffers) -> Self {
         Self {
             params: data.object_params[0],

@@ -39,7 +39,7 @@ pub static STAGE: Stage = Stage {
         (BufferId::active_receivers, Role::Update, Tolerance::Exact),
         (BufferId::due_groups, Role::Update, Tolerance::Exact),
     ],
-    reason: "decisions as those of refine; what stands for a form factor until it is computed is a quotient and a product",
+    reason: "decisions as in refine; a form factor's stand-in until it is computed is a quotient and a product",
     sizes: &[
         (BufferId::added_links, Size::Grows(|state| state.data.object_params[0].edit_capacity as usize)),
         (BufferId::removed_links, Size::Grows(|state| state.data.object_params[0].edit_capacity as usize)),

@@ -13,16 +13,17 @@ pub struct Edits {
     pub undone: Vec<u32>,
     /// How many of `made` were not linked before.
     pub fresh: u32,
-    /// Pairs that it hands down, packed: four times the emitter, plus which refinements contain the pair (`PAIR_NOW`,
-    /// `PAIR_BEFORE` or `PAIR_BOTH`).
+    /// Pairs that the receiver hands down, packed: four times the emitter, plus which refinements contain the pair
+    /// (`PAIR_NOW`, `PAIR_BEFORE` or `PAIR_BOTH`).
     pub hands: Vec<u32>,
 }
 
 /// Visits the pairs that the parent handed down to a receiver.
 pub fn walk(data: &Buffers, receiver: u32, handed: &[u32]) -> Edits {
     let node = receiver as usize;
-    let of = |clusters: &[crate::layout::Cluster]| (clusters[node].center, children(&data.topology, clusters, node));
-    let (now_at, before_at) = (of(&data.clusters), of(&data.kept_clusters));
+    let centers =
+        |clusters: &[crate::layout::Cluster]| (clusters[node].center, children(&data.topology, clusters, node));
+    let (now_at, before_at) = (centers(&data.clusters), centers(&data.kept_clusters));
     let moved = data.change_flags[node] & ALTERED_MOVED != 0;
     let mut edits = Edits::default();
     for &item in handed {
