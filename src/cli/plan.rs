@@ -104,8 +104,8 @@ impl<'a> Page<'a> {
     }
 
     /// So many things of all objects.
-    fn count(&self, of: fn(&Extent) -> usize) -> usize {
-        self.session.state().sum(|object| of(&object.count))
+    fn count(&self, things: fn(&Extent) -> usize) -> usize {
+        self.session.state().sum(|object| things(&object.count))
     }
 
     /// The whole page.

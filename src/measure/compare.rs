@@ -157,11 +157,11 @@ impl Both<'_> {
     fn biases(&self, part: (usize, usize)) -> Vec<Bias> {
         let length = self.layout.len();
         let group = |k: usize| field_of(&self.layout[k].path);
-        let own = part.0 * length..(part.0 + part.1) * length;
+        let range = part.0 * length..(part.0 + part.1) * length;
         let starts = self.floats().filter(|&k| (0..k).all(|j| group(j) != group(k)));
         starts
             .map(|k| {
-                let words = own.clone().filter(|i| group(i % length) == group(k));
+                let words = range.clone().filter(|i| group(i % length) == group(k));
                 let pairs = words.map(|i| (f32::from_bits(self.reference[i]), f32::from_bits(self.device[i])));
                 Bias::of(self.slot.spec().name, group(k), pairs)
             })

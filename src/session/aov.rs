@@ -37,7 +37,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     let rgb = ["R", "G", "B"];
     let normals = shown.blend(data.normals_in_scene(), |normal| narrow(normal.normalize_or_zero()));
     let mut layers = vec![
-        Layer::vector("irradiance", rgb, &shown.own(&data.irradiance)),
+        Layer::vector("irradiance", rgb, &shown.by_triangle(&data.irradiance)),
         Layer::vector("radiosity", rgb, &shown.radiosity()),
         Layer::vector("normal", ["X", "Y", "Z"], &normals),
     ];
@@ -47,7 +47,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         layers.push(Layer { comment, ..Layer::vector("error_estimate", rgb, &shown.estimate()) });
     }
     if !data.walk_noise.is_empty() {
-        layers.push(Layer::vector("standard_error", rgb, &shown.own(&data.walk_noise)));
+        layers.push(Layer::vector("standard_error", rgb, &shown.by_triangle(&data.walk_noise)));
     }
     layers.push(Layer::single("depth", "Z", shown.depth()));
     layers.push(Layer::single("object", "id", shown.number(|face| state.object_of(face) as u32)));
@@ -75,7 +75,7 @@ impl<'a> Shown<'a> {
     }
 
     /// Values of the triangles.
-    fn own(&self, values: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    fn by_triangle(&self, values: &[[f32; 3]]) -> Vec<[f32; 3]> {
         self.hits.iter().map(|hit| hit.map_or([0.0; 3], |hit| self.light(wide(values[hit.face as usize])))).collect()
     }
 
@@ -94,21 +94,21 @@ impl<'a> Shown<'a> {
     fn receiver(&self, pixel: usize, face: usize) -> (bool, usize) {
         let state = self.session.state();
         let object = &state.objects[state.object_of(face)];
-        let own = if object.by_pixel { state.data.seen[pixel] as usize } else { face - object.first.faces };
-        (object.by_pixel, object.first.receivers + own)
+        let receiver = if object.by_pixel { state.data.seen[pixel] as usize } else { face - object.first.faces };
+        (object.by_pixel, object.first.receivers + receiver)
     }
 
     /// Values of the receivers.
     fn received(&self, values: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let of = |(pixel, hit): (usize, &Option<&Hit>)| {
+        let value = |(pixel, hit): (usize, &Option<&Hit>)| {
             hit.map_or([0.0; 3], |hit| self.light(wide(values[self.receiver(pixel, hit.face as usize).1])))
         };
-        self.hits.iter().enumerate().map(of).collect()
+        self.hits.iter().enumerate().map(value).collect()
     }
 
     /// Numbers of the triangles; all ones where none is seen.
-    fn number(&self, of: impl Fn(usize) -> u32) -> Samples {
-        Samples::Whole(self.hits.iter().map(|hit| hit.map_or(u32::MAX, |hit| of(hit.face as usize))).collect())
+    fn number(&self, number: impl Fn(usize) -> u32) -> Samples {
+        Samples::Whole(self.hits.iter().map(|hit| hit.map_or(u32::MAX, |hit| number(hit.face as usize))).collect())
     }
 
     fn radiosity(&self) -> Vec<[f32; 3]> {
@@ -162,10 +162,10 @@ impl<'a> Shown<'a> {
     /// Numbers of links.
     fn links(&self) -> Samples {
         let links = links(self.session.state());
-        let of = |(pixel, hit): (usize, &Option<&Hit>)| {
+        let value = |(pixel, hit): (usize, &Option<&Hit>)| {
             hit.map_or(0, |hit| links[self.receiver(pixel, hit.face as usize).1])
         };
-        Samples::Whole(self.hits.iter().enumerate().map(of).collect())
+        Samples::Whole(self.hits.iter().enumerate().map(value).collect())
     }
 }
 

@@ -99,7 +99,8 @@ fn whole(d: DVec2, period: Option<DVec2>) -> DVec2 {
     period.map_or(DVec2::ZERO, |period| (d / period).round() * period)
 }
 
-/// For each half-edge the offset by whole periods across it, none where it separates islands; and the number of half-edges at seams.
+/// For each half-edge the offset by whole periods across it, none where it separates islands; and the number of those
+/// at seams.
 fn crossings(faces: &Faces<'_>, period: Option<DVec2>) -> (Vec<Option<DVec2>>, usize) {
     let mut moves = vec![None; 3 * faces.places.len()];
     let mut seams = 0;
@@ -183,12 +184,12 @@ fn fill(
     (size, corners): ([u32; 2], &[[u32; 2]]),
 ) -> Vec<[f32; 4]> {
     let (wrap, runs) = (map.wrap.code(), runs(map));
-    let own = |x: i64, y: i64, run: usize| {
+    let mapped = |x: i64, y: i64, run: usize| {
         let row = texel(y, map.size[1], wrap) as usize + run * map.size[1] as usize;
         map.texels[row * map.size[0] as usize + texel(x, map.size[0], wrap) as usize]
     };
     let mut all = vec![[0.0; 4]; size[0] as usize * size[1] as usize * runs];
-    for (number, part) in margin::fill(faces, sheets, of, runs, &own).into_iter().enumerate() {
+    for (number, part) in margin::fill(faces, sheets, of, runs, &mapped).into_iter().enumerate() {
         let (width, height) = sheets[number].size();
         for (row, line) in part.chunks_exact(width).enumerate() {
             let (run, y) = (row / height, row % height + corners[number][1] as usize);

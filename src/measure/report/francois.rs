@@ -58,9 +58,9 @@ fn integration(bench: &Bench<'_>, page: &mut Page, looks: Looks) -> Result<()> {
 
 /// Error of each rule by its samples, and by its time.
 fn plots(lines: &[Measured], page: &mut Page) -> Result<()> {
-    let of = |rule: Integration| lines.iter().filter(move |line| line.rule == rule);
+    let by_rule = |rule: Integration| lines.iter().filter(move |line| line.rule == rule);
     let plot = |title: &str, x: &str, by: fn(&Measured) -> f64| {
-        let errors = |rule| of(rule).map(move |line| (by(line), line.integration));
+        let errors = |rule| by_rule(rule).map(move |line| (by(line), line.integration));
         let series = RULES.map(|(rule, name)| Series::line(name, errors(rule)));
         Panel::new(title, [Axis::log(x), Axis::log("relative error, L2")], series).svg()
     };
