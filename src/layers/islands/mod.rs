@@ -99,7 +99,8 @@ fn whole(d: DVec2, period: Option<DVec2>) -> DVec2 {
     period.map_or(DVec2::ZERO, |period| (d / period).round() * period)
 }
 
-/// For each half-edge the offset by whole periods across it, none where it separates islands; and the number of half-edges at seams.
+/// For each half-edge the offset by whole periods across it, none where it separates islands; and the number of those
+/// at seams.
 fn crossings(faces: &Faces<'_>, period: Option<DVec2>) -> (Vec<Option<DVec2>>, usize) {
     let mut moves = vec![None; 3 * faces.places.len()];
     let mut seams = 0;
