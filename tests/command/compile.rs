@@ -37,7 +37,7 @@ fn a_spill_is_found_without_the_gpu() {
          return vec3(many[uint(abs(sum.y)) % 999u]);\n}\n\nvoid main()",
         1,
     );
-    std::fs::write(here.path().join("spill.comp"), text).unwrap();
+    std::fs::write(here.path().join("spill.comp"), &text).unwrap();
     let spilt = format!("{line} navi21 --baseline a.csv --replace transport/blocks/push=spill.comp");
     let said =
         bad(&here, &spilt, 1, &["navi21: transport/blocks/push: scratch 0 -> ", "worse than those of the baseline"]);
