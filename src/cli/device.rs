@@ -39,7 +39,6 @@ impl DeviceArgument {
     }
 
     /// The argument as a word of a command line.
-    #[cfg(feature = "window")]
     pub(super) fn words(&self) -> Option<String> {
         self.device.as_ref().map(|device| format!("--device={device}"))
     }

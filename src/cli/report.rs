@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{DeviceArgument, print, validation};
+use super::{DeviceArgument, compile, print, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::measure::folder::{Folder, REPORT};
 use milkglass::measure::report::{Bench, SECTIONS, Section, report};
@@ -43,7 +43,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let device = arguments.device.open(validation())?;
     let begun = format!("<!doctype html>\n<meta name=\"generator\" {}>\n<p>No section is finished.</p>\n", REPORT.mark);
     let keep = |name: &str, bytes: &[u8]| folder.put(name, bytes, &begun);
-    let bench = Bench { device: device.as_ref(), quick: arguments.quick, keep: Some(&keep) };
+    let bench =
+        Bench { device: device.as_ref(), quick: arguments.quick, keep: Some(&keep), compilers: Some(&compile::tables) };
     let mut number = 0;
     let mut tell = |name: &str| {
         number += 1;

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::arguments::Arguments;
 use super::pipelines::Wanted;
-use super::{Arguments, Pipeline};
+use super::record::Pipeline;
 use crate::cli::replace::replaced;
 use crate::cli::write;
 use milkglass::error::{Error, Input, Result};

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::{Compiled, Pipeline, Sheets};
+use super::record::{Compiled, Pipeline, Sheets};
 use milkglass::error::{Error, Input, Result};
 
 /// Everything that the compilers reported except hashes, as CSV.

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
-use super::{Arguments, no_scene};
-use milkglass::error::Result;
+use super::arguments::Arguments;
+use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::kernel_names;
 use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
 use milkglass::internals::session::run::Session;
@@ -22,26 +22,30 @@ pub(super) struct Wanted {
     pub(super) constants: String,
 }
 
+/// The pipelines of a scene's plan.
+pub(super) fn of_scene(scene: &Scene, options: Options) -> Result<Vec<Wanted>> {
+    let (session, mut list) = (Session::new(scene, None, options)?, Vec::new());
+    for stage in session.needs(Change { relink: true, tone: true, ..Change::EVERYTHING })? {
+        for pipeline in &stage.kernels {
+            let (kernel, values) = (pipeline.name.clone(), pipeline.constants.clone());
+            list.push(Wanted { kernel, values, constants: pipeline.specialized()? });
+        }
+    }
+    Ok(list)
+}
+
 /// The pipelines of the scene that is asked for, or with `--all` of all, each once.
 pub(super) fn wanted(arguments: &Arguments) -> Result<Vec<Wanted>> {
     let (scene, options) = (arguments.run.of(&arguments.scene), arguments.run.options());
     let (mut known, mut list) = (BTreeSet::new(), Vec::new());
     let mut add = |scene: &Scene, options: Options| -> Result<()> {
-        let session = Session::new(scene, None, options)?;
-        for stage in session.needs(Change { relink: true, tone: true, ..Change::EVERYTHING })? {
-            for pipeline in &stage.kernels {
-                let (kernel, values) = (pipeline.name.clone(), pipeline.constants.clone());
-                let wanted = Wanted { kernel, values, constants: pipeline.specialized()? };
-                if known.insert(wanted.clone()) {
-                    list.push(wanted);
-                }
-            }
-        }
+        list.extend(of_scene(scene, options)?.into_iter().filter(|wanted| known.insert(wanted.clone())));
         Ok(())
     };
     if !arguments.all {
         if scene.scene.is_empty() {
-            return Err(no_scene());
+            let fault = Input::new("no scene is given").key("SCENE");
+            return Err(fault.expected("a scene, or --all").into());
         }
         add(&scene.load()?, options)?;
         return Ok(list);

@@ -1,43 +1,45 @@
 //! Tables of what compilers report, and what is worse than before.
 
-use super::{Compiled, Pipeline, Sheets};
-use crate::cli::table;
+use super::record::{Compiled, Pipeline, Sheets};
+use milkglass::measure::table::Table;
 
-/// What a table shows of what drivers report, if they do: heading, and names of RADV and NVK.
-const SHOWN: [(&str, &[&str]); 9] = [
-    ("registers", &["VGPRs", "Number of GPRs", "Register Count"]),
-    ("scalar", &["SGPRs"]),
-    ("spilled", &["Spilled VGPRs", "Spills to memory", "Number of spills to memory"]),
-    ("scratch", &["Scratch size", "Scratch size per thread", "SLM size"]),
-    ("shared", &["LDS size", "LDS Size", "Shared memory size"]),
-    ("waves", &["Subgroups per SIMD"]),
-    ("code, B", &["Code size", "Code Size"]),
-    ("latency", &["Latency"]),
-    ("cycles", &["Inverse Throughput"]),
+/// What a table shows of what drivers report, if they do: heading, meaning, and names of RADV and NVK.
+const SHOWN: [(&str, &str, &[&str]); 9] = [
+    ("registers", "vector registers of an invocation", &["VGPRs", "Number of GPRs", "Register Count"]),
+    ("scalar", "scalar registers of a wave", &["SGPRs"]),
+    ("spilled", "registers kept in memory", &["Spilled VGPRs", "Spills to memory", "Number of spills to memory"]),
+    ("scratch", "memory for arrays and spills, bytes", &["Scratch size", "Scratch size per thread", "SLM size"]),
+    ("shared", "shared memory of a group, bytes", &["LDS size", "LDS Size", "Shared memory size"]),
+    ("waves", "waves that a SIMD unit holds at once", &["Subgroups per SIMD"]),
+    ("code, B", "instructions, bytes", &["Code size", "Code Size"]),
+    ("latency", "cycles of a wave alone; the compiler's estimate, loops counted as if run a few times", &["Latency"]),
+    ("cycles", "cycles a wave among many; likewise", &["Inverse Throughput"]),
 ];
 /// Columns in which more is worse than in a baseline, and by which factor; the waves are the other way round.
 const WORSE: [(&str, f64); 3] = [("spilled", 1.0), ("scratch", 1.0), ("cycles", 1.1)];
 
 /// The value of a column.
 fn value(pipeline: &Pipeline, heading: &str) -> Option<f64> {
-    let names = SHOWN.iter().find(|(known, _)| *known == heading)?.1;
+    let (.., names) = SHOWN.iter().find(|(known, ..)| *known == heading)?;
     pipeline.statistics.iter().find(|(name, _)| names.contains(&name.as_str())).map(|(_, value)| *value)
 }
 
 /// The pipelines of a compiler as a table, those that take most cycles first.
-pub(super) fn table_of(pipelines: &[Pipeline]) -> String {
-    let shown = |heading: &&str| pipelines.iter().any(|pipeline| value(pipeline, heading).is_some());
-    let headings: Vec<&str> = SHOWN.iter().map(|(heading, _)| *heading).filter(shown).collect();
+pub(super) fn table_of(pipelines: &[Pipeline]) -> Table {
+    let reported = |heading: &str| pipelines.iter().any(|pipeline| value(pipeline, heading).is_some());
+    let shown: Vec<(&str, &str)> =
+        SHOWN.iter().map(|(heading, meaning, _)| (*heading, *meaning)).filter(|(h, _)| reported(h)).collect();
     let mut order: Vec<&Pipeline> = pipelines.iter().collect();
     let weight = |pipeline: &Pipeline| value(pipeline, "cycles").or(value(pipeline, "code, B")).unwrap_or(0.0);
     order.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
     let row = |pipeline: &&Pipeline| {
-        let values = headings.iter().map(|heading| value(pipeline, heading).map_or("-".into(), |x| format!("{x}")));
+        let values = shown.iter().map(|(heading, _)| value(pipeline, heading).map_or("-".into(), |x| format!("{x}")));
         let rest = [format!("{:.0}", pipeline.milliseconds), pipeline.constants.clone()];
         [pipeline.kernel.clone()].into_iter().chain(values).chain(rest).collect()
     };
-    let head = [&["kernel"], headings.as_slice(), &["ms", "specialization constants"]].concat();
-    table(head, order.iter().map(row).collect::<Vec<Vec<String>>>())
+    let ends = [("ms", "time to compile"), ("specialization constants", "")];
+    let columns = [&[("kernel", "")], shown.as_slice(), &ends].concat();
+    Table::new(columns, order.iter().map(row).collect())
 }
 
 /// What kernels that replace built-in ones change, a line each; empty where none does.
@@ -48,7 +50,7 @@ pub(super) fn changes(compiled: &Compiled) -> String {
         let Some(new) = compiled.pipelines.iter().find(same) else { continue };
         let changed: Vec<String> = SHOWN
             .iter()
-            .filter_map(|(heading, _)| {
+            .filter_map(|(heading, ..)| {
                 let (x, y) = (value(old, heading)?, value(new, heading)?);
                 let share = if x > 0.0 { format!(" ({:+.1} %)", 100.0 * (y / x - 1.0)) } else { String::new() };
                 (x != y).then(|| format!("{heading} {x} -> {y}{share}"))
