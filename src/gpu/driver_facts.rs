@@ -92,6 +92,7 @@ impl Kernel {
 
     /// The texts that the driver's compiler made of it, down to the machine's instructions: their names and themselves.
     /// None without [`Device::compiler`].
+    #[cfg(feature = "cli")]
     pub(crate) fn code(&self) -> Result<Vec<(String, String)>> {
         let device: &LogicalDevice = &self.device;
         if !device.extras().code {

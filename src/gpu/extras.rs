@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use ash::{khr, vk};
+use ash::vk;
 use spirq::spirv::{Capability, Op};
 
 use super::spirv_module::instructions;
@@ -67,7 +67,7 @@ features! {
 
 impl Extras {
     /// The features of a device with these extras. `statistics` are those of an extension: a device may be opened with
-    /// them only together with [`Self::extensions`].
+    /// them only together with that.
     pub(super) fn features(&self) -> Features {
         let mut features = Features::default();
         features.twelve.scalar_block_layout = vk::TRUE;
@@ -76,12 +76,6 @@ impl Extras {
             *(feature.bit)(&mut features) = vk::TRUE;
         }
         features
-    }
-
-    /// The extensions of a device with these extras.
-    pub(super) fn extensions(&self) -> Vec<*const std::ffi::c_char> {
-        let name = khr::pipeline_executable_properties::NAME.as_ptr();
-        if self.statistics { vec![name] } else { Vec::new() }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex};
 
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 
 use super::adapter::Adapter;
 use super::call::vk_call;
@@ -75,14 +75,21 @@ impl Instance {
             unsafe { entry.enumerate_instance_extension_properties(None) }
         })
         .unwrap_or_default();
-        let labels =
-            offered.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|name| name == ext::debug_utils::NAME));
+        let offers =
+            |wanted: &CStr| offered.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|name| name == wanted));
+        let labels = offers(ext::debug_utils::NAME);
         if labels || validation {
             extensions.push(ext::debug_utils::NAME.as_ptr());
         }
+        // Else loaders do not list drivers of a part of Vulkan, such as MoltenVK.
+        let mut flags = vk::InstanceCreateFlags::empty();
+        if offers(khr::portability_enumeration::NAME) {
+            extensions.push(khr::portability_enumeration::NAME.as_ptr());
+            flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;
+        }
         let checks = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
         let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&checks);
-        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
+        let mut info = vk::InstanceCreateInfo::default().flags(flags).application_info(&application);
         if validation {
             layers.push(VALIDATION.as_ptr());
             extensions.push(ext::validation_features::NAME.as_ptr());

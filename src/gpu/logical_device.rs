@@ -2,6 +2,7 @@
 //! recordings hold a clone of it.
 
 mod again;
+mod create;
 mod pipeline_cache;
 
 use std::cell::{Cell, RefCell};
@@ -16,10 +17,11 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 use super::adapter::{Adapter, Limits};
 use super::allocator::{Memory, MemoryUse};
 use super::call::vk_call;
-use super::choices::{Barriers, Choices, Descriptors, Queues};
+use super::choices::Choices;
 use super::extras::Extras;
 use super::instance::Instance;
 use crate::error::{Error, Result};
+use create::{create, opening};
 use spares::Spares;
 use submission::GRACE;
 
@@ -207,68 +209,6 @@ impl LogicalDevice {
             });
         }
     }
-}
-
-/// What is being done, for errors.
-fn opening(adapter: &Adapter) -> String {
-    format!("opening {}", adapter.name)
-}
-
-/// Creates the device, and finds its queues.
-fn create(
-    instance: &Instance,
-    adapter: &Adapter,
-    choices: &Choices,
-    extras: &Extras,
-) -> Result<(ash::Device, [vk::Queue; 2])> {
-    let priorities = [1.0; 2];
-    let count = if choices.queues == Queues::Two { 2 } else { 1 };
-    let queues = [vk::DeviceQueueCreateInfo::default()
-        .queue_family_index(adapter.queue_family)
-        .queue_priorities(&priorities[..count])];
-
-    // What the choices and the extras need, full subgroups where there are any, and nothing else.
-    let (mut features, mut extensions) = (extras.features(), extras.extensions());
-    features.twelve.timeline_semaphore = (choices.queues != Queues::One).into();
-    let mut second = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
-    let full = adapter.offers.full_subgroups;
-    let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default()
-        .subgroup_size_control(choices.subgroup.is_some())
-        .compute_full_subgroups(full);
-    if choices.descriptors == Descriptors::Frame {
-        features.twelve.descriptor_binding_partially_bound = vk::TRUE;
-        features.twelve.descriptor_binding_storage_buffer_update_after_bind = vk::TRUE;
-    }
-    let mut info = vk::DeviceCreateInfo::default()
-        .queue_create_infos(&queues)
-        .enabled_features(&features.core)
-        .push_next(&mut features.eleven)
-        .push_next(&mut features.twelve);
-    if instance.0.presents {
-        extensions.push(khr::swapchain::NAME.as_ptr());
-    }
-    if choices.descriptors == Descriptors::Push {
-        extensions.push(khr::push_descriptor::NAME.as_ptr());
-    }
-    if choices.barriers == Barriers::Synchronization2 {
-        extensions.push(khr::synchronization2::NAME.as_ptr());
-        info = info.push_next(&mut second);
-    }
-    if choices.subgroup.is_some() || full {
-        extensions.push(ext::subgroup_size_control::NAME.as_ptr());
-        info = info.push_next(&mut sizes);
-    }
-    if extras.statistics {
-        info = info.push_next(&mut features.statistics);
-    }
-    let info = info.enabled_extension_names(&extensions);
-    let raw = vk_call("vkCreateDevice", &opening(adapter), || {
-        // SAFETY: `info` and all it points to live through the call; the adapter is this instance's.
-        unsafe { instance.0.raw.create_device(adapter.physical, &info, None) }
-    })?;
-    // SAFETY: the family was named in `info`, with so many queues.
-    let queues = [0, count as u32 - 1].map(|index| unsafe { raw.get_device_queue(adapter.queue_family, index) });
-    Ok((raw, queues))
 }
 
 impl Drop for Inner {

@@ -23,6 +23,8 @@ pub struct Offers {
     pub(super) shuffles: bool,
     /// Storage buffers in a set that is bound once for all kernels; 0 where it can't have unused ones.
     set_buffers: u32,
+    /// Whether it is a driver of a part of Vulkan, which has to be opened as such: `VK_KHR_portability_subset`.
+    pub(super) portability_subset: bool,
     /// How many queues the family of its compute queue has.
     queues: u32,
     /// Whether it has timeline semaphores.
@@ -89,6 +91,7 @@ impl Offers {
                 false => 0,
             },
             queues: families.get(family as usize).map_or(0, |family| family.queue_count),
+            portability_subset: has(khr::portability_subset::NAME),
             timelines: timeline.timeline_semaphore == vk::TRUE,
             memory_types: memory_types(memory.memory_types_as_slice()),
             local_visible: memory

@@ -17,7 +17,7 @@ fn a_spill_is_found_without_the_gpu() {
     let json = read(&here, "a.json");
     assert!(json.contains("\"device\": \"Null hardware (RADV VEGA10)") && json.contains("\"VGPRs\": "), "{json}");
     for family in ["navi21", "vega10"] {
-        let code = read(&here, &format!("code/{family}/lighting-irradiance.txt"));
+        let code = read(&here, &format!("code/{family}/geometry-refit-normal.txt"));
         assert!(code.contains("==== Assembly") && code.contains("s_endpgm"), "{code}");
     }
     for words in
@@ -59,7 +59,7 @@ fn a_spill_is_found_without_the_gpu() {
 }
 
 #[test]
-#[ignore = "slow: compiles the pipelines of all built-in scenes"]
+#[ignore = "slow: compiles the pipelines of all built-in scenes and every other kernel"]
 fn all_built_in_scenes_compile() {
     let here = folder(&[]);
     let output = program(&here, "compile --all --for vega10,unheard --csv a.csv").output().unwrap();
@@ -70,6 +70,7 @@ fn all_built_in_scenes_compile() {
     }
     assert!(err.contains("unheard: ") && err.contains("a compiler failed"), "{err}");
     let count = out.lines().find_map(|line| line.split_once(" pipelines of ")).unwrap();
-    assert!(count.0.parse::<usize>().unwrap() > 120 && count.1.ends_with(" kernels"), "{out}");
+    let kernels: Vec<&str> = count.1.split(' ').collect();
+    assert!(count.0.parse::<usize>().unwrap() > 200 && kernels[0] == kernels[2], "{out}");
     assert!(read(&here, "a.csv").contains("vega10,layers/relief"), "{out}");
 }

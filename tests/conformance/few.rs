@@ -7,42 +7,19 @@ use crate::devices::on_devices_each;
 use milkglass::internals::gpu::sources;
 use milkglass::internals::state::{Width, dispatches};
 use milkglass::measure::conform::conform;
-use milkglass::measure::fixtures::made;
-
-const FEW: &[&str] = &[
-    "bump over kept links, point samples",
-    "bump over kept links, too few places",
-    "cdrf of a bust, curvature smoothed little",
-    "cdrf of three objects, deformed",
-    "cdrf, single values",
-    "diffusion in two objects, the dipole in a third",
-    "kept links of another material, budget",
-    "lambert under a panel seen from behind",
-    "layers, even, left rule",
-    "scattered once in an open strip",
-    "single form factors",
-    "six layers, clamped",
-    "sphere in batches, kept",
-    "sphere, brute force",
-    "texture at the entry, links",
-    "texture blur of pieces that lie apart",
-    "thin slab, point samples, displaced sources",
-    "three objects, receivers at pixels",
-    "three objects, two of them with joints",
-    "walk through clear and dark media",
-];
+use milkglass::measure::fixtures::{EVERY_KERNEL, made};
 
 #[test]
 fn every_kernel_conforms() {
-    let fixtures = made(|name| FEW.contains(&name)).unwrap();
-    assert_eq!(fixtures.len(), FEW.len());
+    let fixtures = made(|name| EVERY_KERNEL.contains(&name)).unwrap();
+    assert_eq!(fixtures.len(), EVERY_KERNEL.len());
     let run: BTreeSet<String> = fixtures
         .iter()
         .flat_map(|fixture| dispatches(&fixture.state, &fixture.steps, Width { subgroup: 8, processor: true }).unwrap())
         .map(|dispatch| dispatch.kernel)
         .collect();
     for name in sources().filter(|name| !name.ends_with(".glsl") && !name.starts_with("measure/")) {
-        assert!(run.contains(name), "no fixture of these runs kernel {name}");
+        assert!(run.contains(name), "no fixture of EVERY_KERNEL runs kernel {name}");
     }
     let faults = Mutex::new(Vec::new());
     on_devices_each(&fixtures, |device, fixture| {

@@ -138,6 +138,6 @@ fn what_does_not_match_is_refused() {
         &here,
         "render s.toml --device cpu -o a.png",
         2,
-        &["s.toml:6: object.0.deform.0.mesh: a shape made here has no file"],
+        &["s.toml:6: object.0.deform.0.mesh: a built-in shape has no file"],
     );
 }

@@ -86,7 +86,7 @@ fn other_tables() -> Vec<(String, &'static str)> {
         (with("[[light]]\ntype = 'point'\nposition = [0, 0, 0]\nintensity = 1"), "the light stands in the medium"),
         (with(&light.repeat(20_000)), "too many samples of all lights together; found 20000"),
         (with("[[object.deform]]\ntype = 'noise'\namplitude = 1\nscale = 0"), "object.0.deform.0.scale: out of range"),
-        (with("[[object.deform]]\ntype = 'morph'\nmesh = 'b'\nweight = 1"), "a shape made here has no file"),
+        (with("[[object.deform]]\ntype = 'morph'\nmesh = 'b'\nweight = 1"), "a built-in shape has no file"),
         (with("[object.material]\npreset = 'milk'"), "a.toml:5"),
         (GOOD.repeat(257), "too many objects; found 257 times [[object]]; expected 1 to 256"),
     ]

@@ -171,11 +171,10 @@ fn the_guide_lists_every_method() {
 }
 
 #[test]
-fn files_are_short_and_comments_are_wrapped() {
+fn comments_are_wrapped() {
     for (folder, ending) in [("src", "rs"), ("glsl", "comp"), ("glsl", "glsl"), ("tests", "rs"), ("bench", "rs")] {
         for path in files(folder, ending) {
             let source = fs::read_to_string(&path).unwrap();
-            assert!(source.lines().count() <= 300, "{} has more than 300 lines", path.display());
             let wide = |line: &&str| line.trim_start().starts_with("//") && line.chars().count() > 120;
             assert_eq!(source.lines().find(wide), None, "{}: a comment beyond column 120", path.display());
         }

@@ -34,7 +34,7 @@ pub(super) const FAMILIES: [&str; 11] = [
 pub struct Arguments {
     #[command(flatten)]
     pub(super) scene: SceneArguments,
-    /// Compile for all built-in scenes, and for a sphere by every other transport.
+    /// Compile for all built-in scenes, and every kernel that none of them has.
     #[arg(long, conflicts_with = "scene")]
     pub(super) all: bool,
     #[command(flatten)]

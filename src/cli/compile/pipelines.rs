@@ -1,15 +1,16 @@
-//! Which pipelines to compile: those of the plans of one scene, or of all built-in ones.
+//! Which pipelines to compile: those of the plan of a scene, or those of everything.
 
 use std::collections::BTreeSet;
 
-use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
 use super::arguments::Arguments;
 use milkglass::error::{Input, Result};
-use milkglass::internals::gpu::kernel_names;
-use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::gpu::{constants, kernel_names};
+use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::session::run::Session;
+use milkglass::internals::state::{Width, dispatches};
+use milkglass::measure::fixtures::{EVERY_KERNEL, made};
 use milkglass::scene::{BUILTIN, Scene};
 
 /// A pipeline to compile.
@@ -22,43 +23,48 @@ pub(super) struct Wanted {
     pub(super) constants: String,
 }
 
+impl Wanted {
+    /// The pipeline of a kernel with these constants.
+    fn of(kernel: &str, values: &[u32]) -> Result<Self> {
+        let named = constants(kernel)?.into_iter().zip(values);
+        let constants = named.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ");
+        Ok(Self { kernel: kernel.to_string(), values: values.to_vec(), constants })
+    }
+}
+
 /// The pipelines of a scene's plan.
 pub(super) fn of_scene(scene: &Scene, options: Options) -> Result<Vec<Wanted>> {
     let (session, mut list) = (Session::new(scene, None, options)?, Vec::new());
     for stage in session.needs(Change { relink: true, tone: true, ..Change::EVERYTHING })? {
         for pipeline in &stage.kernels {
-            let (kernel, values) = (pipeline.name.clone(), pipeline.constants.clone());
-            list.push(Wanted { kernel, values, constants: pipeline.specialized()? });
+            list.push(Wanted::of(&pipeline.name, &pipeline.constants)?);
         }
     }
     Ok(list)
 }
 
-/// The pipelines of the scene that is asked for, or with `--all` of all, each once.
+/// The pipelines of the scene that is asked for; with `--all` of all built-in scenes, and of fixtures that run every other kernel, each
+/// once.
 pub(super) fn wanted(arguments: &Arguments) -> Result<Vec<Wanted>> {
     let (scene, options) = (arguments.run.of(&arguments.scene), arguments.run.options());
-    let (mut known, mut list) = (BTreeSet::new(), Vec::new());
-    let mut add = |scene: &Scene, options: Options| -> Result<()> {
-        list.extend(of_scene(scene, options)?.into_iter().filter(|wanted| known.insert(wanted.clone())));
-        Ok(())
-    };
     if !arguments.all {
         if scene.scene.is_empty() {
             let fault = Input::new("no scene is given").key("SCENE");
             return Err(fault.expected("a scene, or --all").into());
         }
-        add(&scene.load()?, options)?;
-        return Ok(list);
+        return of_scene(&scene.load()?, options);
     }
+    let mut list = Vec::new();
     for (name, ..) in BUILTIN {
-        add(&Scene::load_with(name, &scene.sets)?, options)?;
+        list.extend(of_scene(&Scene::load_with(name, &scene.sets)?, options)?);
     }
-    for transport in ShadingMethod::value_variants() {
-        let sets = ["object.0.detail=2", "transport.unwrap=true"].map(String::from);
-        add(&Scene::load_with("sphere", &sets)?, Options { transport: *transport, ..options })?;
+    for fixture in made(|name| EVERY_KERNEL.contains(&name))? {
+        for dispatch in dispatches(&fixture.state, &fixture.steps, Width::GPU)? {
+            list.push(Wanted::of(&dispatch.kernel, &dispatch.constants)?);
+        }
     }
-    let links = ["object.0.detail=2", "transport.scheme=links"].map(String::from);
-    add(&Scene::load_with("sphere", &links)?, options)?;
+    let mut known = BTreeSet::new();
+    list.retain(|wanted| known.insert(wanted.clone()));
     Ok(list)
 }
 
@@ -67,7 +73,7 @@ pub(super) fn kernels(wanted: &[Wanted]) -> usize {
     wanted.iter().map(|wanted| &wanted.kernel).collect::<BTreeSet<_>>().len()
 }
 
-/// The number of all kernels.
+/// The number of all kernels but those of measurements.
 pub(super) fn every() -> usize {
-    kernel_names().count()
+    kernel_names().filter(|name| !name.starts_with("measure/")).count()
 }

@@ -125,7 +125,7 @@ impl Other {
         };
         other.hello = match serde_json::from_str(&line) {
             Ok(hello @ Hello { rounds: SCHEMA, .. }) => hello,
-            _ => return Err(fault("this program's `profile --serve` is of another version".into())),
+            _ => return Err(fault("this program has no `profile --serve` of this version".into())),
         };
         let result = STANDARD.decode(&other.hello.result);
         other.result = result.map_err(|error| fault(format!("this program's result could not be read: {error}")))?;
