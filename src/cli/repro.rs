@@ -1,5 +1,7 @@
 //! `milkglass replay`: runs cases that `dump` or `conform --dump` wrote; and functions that the three share.
 
+mod bug;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,9 +10,10 @@ use serde::{Deserialize, Serialize};
 use super::device::opened;
 use super::replace::ReplaceArgument;
 use super::watch::{itself, seconds, watched};
-use super::{print, size, table};
+use super::{print, size, table, write};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Adapter, Device, Instance};
+use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::folder::CASE;
 use milkglass::measure::repro::Case;
 use milkglass::measure::repro::minimize::minimize;
@@ -36,12 +39,18 @@ impl Chosen {
         opened(&instance, &adapters[self.index(&adapters)?])
     }
 
-    /// Its number, name and driver.
-    fn look(&self) -> Result<(usize, String, String)> {
+    /// Its facts.
+    fn look(&self) -> Result<Adapter> {
         let adapters = Instance::open(!self.no_validation)?.adapters()?;
-        let index = self.index(&adapters)?;
-        let Adapter { name, driver, .. } = &adapters[index];
-        Ok((index, name.clone(), driver.clone()))
+        Ok(adapters[self.index(&adapters)?].clone())
+    }
+
+    /// The report of a case that ended so.
+    fn report(&self, case: (&Path, &Case), ended: &bug::Ended, adapter: &Adapter) -> Result<String> {
+        let layer = Instance::open(!self.no_validation)?.layer();
+        // A kernel that ended a process may end this one.
+        let device = ended.is_ok().then(|| self.open()).transpose()?;
+        bug::report(case, ended, adapter, (layer.as_deref(), device.as_ref()))
     }
 
     fn index(&self, adapters: &[Adapter]) -> Result<usize> {
@@ -77,6 +86,10 @@ pub struct Arguments {
     /// exceeded before].
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<f64>,
+    /// Also write a report of the case for the driver's developers, as Markdown: what happens, the device, the driver,
+    /// the layer, commands that repeat it, and what the compiler says of the kernel.
+    #[arg(long, value_name = "FILE")]
+    bug: Option<PathBuf>,
     /// Run one case, and write lines of JSON: for the process that has started this one.
     #[arg(long, hide = true)]
     child: bool,
@@ -110,15 +123,28 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .iter()
             .try_for_each(|(_, case)| say(&Said::Found(case.replay(&device, arguments.times as usize)?)));
     }
-    let (index, device, driver) = arguments.device.look()?;
-    let mut words = vec!["--device".to_string(), index.to_string()];
+    ready([("--bug", arguments.bug.as_ref())])?;
+    if let (Some(file), false) = (&arguments.bug, cases.len() == 1) {
+        let fault = Input::new("a report is of one case").key("--bug").found(format!(
+            "{}, {} cases",
+            file.display(),
+            cases.len()
+        ));
+        return Err(fault.expected("the folder of one case").into());
+    }
+    let adapter = arguments.device.look()?;
+    let mut words = vec!["--device".to_string(), adapter.number.to_string()];
     words.extend(arguments.device.no_validation.then(|| "--no-validation".to_string()));
     words.extend(arguments.replace.words().map(str::to_string));
     let (mut rows, mut failed) = (Vec::new(), 0);
     for (folder, case) in &cases {
         let two = case.about.seconds.unwrap_or(600.0);
         let timeout = arguments.timeout.unwrap_or(two * f64::from(arguments.times.max(2)) / 2.0);
-        let (cells, verdict) = match played(folder, &words, (arguments.times, timeout))? {
+        let ended = played(folder, &words, (arguments.times, timeout))?;
+        if let Some(file) = &arguments.bug {
+            write(file, arguments.device.report((folder, case), &ended, &adapter)?)?;
+        }
+        let (cells, verdict) = match ended {
             Ok(found) => {
                 for (_, count, first) in &found.wrong {
                     tell!("{}: {count} words beyond tolerance: {first}", folder.display());
@@ -139,7 +165,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         rows.push(row.into_iter().chain(cells).chain([verdict.to_string()]).collect());
     }
     let header = ["case", "stage", "dispatches", "words", "wrong", "verdict"];
-    print(&format!("{device}, {driver}\n{}", table(header, rows)))?;
+    print(&format!("{}, {}\n{}", adapter.name, adapter.driver, table(header, rows)))?;
     match failed {
         0 => Ok(()),
         1 => Err(Error::Check("1 case fails on this device".into())),

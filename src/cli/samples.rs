@@ -44,21 +44,29 @@ pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
     let size = [width, height].map(|side| ((side * share.sqrt()).ceil() as u32).max(1));
     session.set_camera(&camera.clone().sized(size)?)?;
     let times = run_frame(session, Change::EVERYTHING)?;
-    // The second frame is timed: during the first one the driver may still compile kernels.
-    let mut steps = session.frame(Change::VIEW)?;
-    // Only stages that depend on the picture take longer for a larger one.
-    steps.retain(|step| {
-        let name = step.name.split(' ').next().unwrap_or_default();
-        stage(name).is_some_and(|stage| stage.needs.contains(&Need::Picture))
-    });
-    let each: f64 = steps.iter().map(|step| step.milliseconds).filter(|ms| ms.is_finite()).sum();
-    let pixels = f64::from(size[0]) * f64::from(size[1]);
-    let seconds = 1e-3 * each * samples * width * height / pixels;
-    if let Some(line) = long(seconds, "the picture takes", &steps, fewer(&session.scene().lights).as_deref()) {
+    let scale = width * height * samples / (f64::from(size[0]) * f64::from(size[1]));
+    let seconds = |steps: &[Timing]| -> f64 {
+        1e-3 * scale * steps.iter().map(|step| step.milliseconds).filter(|ms| ms.is_finite()).sum::<f64>()
+    };
+    let mut steps = of_picture(times.clone());
+    if seconds(&steps) >= LONG {
+        // Once more: the first time a driver may still compile kernels.
+        steps = of_picture(session.frame(Change::VIEW)?);
+    }
+    if let Some(line) = long(seconds(&steps), "the picture takes", &steps, fewer(&session.scene().lights).as_deref()) {
         tell!("{line}");
     }
     session.set_camera(&camera)?;
     Ok(Some(times))
+}
+
+/// The steps whose time grows with the picture.
+fn of_picture(mut steps: Vec<Timing>) -> Vec<Timing> {
+    steps.retain(|step| {
+        let name = step.name.split(' ').next().unwrap_or_default();
+        stage(name).is_some_and(|stage| stage.needs.contains(&Need::Picture))
+    });
+    steps
 }
 
 /// The progress of a picture's samples.

@@ -121,10 +121,11 @@ impl Adapter {
         let found = if whole.is_empty() { named(&|name| name.contains(&low)) } else { whole };
         let by_number = wish.parse::<usize>().ok().and_then(|index| adapters.get(index));
         let names: Vec<_> = adapters.iter().enumerate().map(|(i, a)| format!("{i} ({})", a.name)).collect();
-        let known = if names.is_empty() { "no Vulkan device is installed".to_string() } else { names.join(", ") };
+        let known = names.join(", ");
         let what = match (by_number, found.as_slice()) {
             (Some(adapter), _) => return Ok(adapter),
             (None, &[adapter]) => return Ok(adapter),
+            (None, []) if names.is_empty() => "no Vulkan device is installed; there is only cpu".into(),
             (None, []) => format!("there is none; there are cpu, {known}"),
             (None, several) => format!("{} devices have that in their names, give a number: {known}", several.len()),
         };

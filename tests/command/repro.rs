@@ -5,7 +5,7 @@ use std::path::Path;
 use milkglass::internals::layout::BufferId;
 
 use super::amber;
-use crate::shell::{bad, folder, good, names, program, said};
+use crate::shell::{bad, folder, good, names, program, read, said};
 
 /// The built-in kernel `push` with a replacement in its text.
 fn planted(here: &tempfile::TempDir, file: &str, old: &str, new: &str) {
@@ -52,6 +52,17 @@ fn a_planted_fault_is_dumped_and_replayed() {
         let replay = format!("replay {} --no-validation", case.strip_prefix(here.path()).unwrap().display());
         good(&here, &format!("{replay} --replace transport/blocks/push=sound.comp"));
         bad(&here, &replay, 1, &["1 case fails"]);
+        if fault == "off" {
+            let output = program(&here, &format!("{replay} --bug bug.md")).output().unwrap();
+            assert_eq!(output.status.code(), Some(1), "{}", said(&output).1);
+            let text = read(&here, "bug.md");
+            for words in
+                ["# A compute shader differs", "words beyond tolerance: radiosity[", "- driver: ", "- system: "]
+            {
+                assert!(text.contains(words), "no {words:?} in {text}");
+            }
+            assert!(text.contains("milkglass replay off/") && text.contains("- transport/blocks/push ["), "{text}");
+        }
         // The least of it shows the same.
         let least = line.replace(&format!("--dump {fault}"), &format!("--dump {fault}-least --minimize"));
         assert_eq!(program(&here, &least).output().unwrap().status.code(), Some(1));
