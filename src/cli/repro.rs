@@ -144,22 +144,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         if let Some(file) = &arguments.bug {
             write(file, arguments.device.report((folder, case), &ended, &adapter)?)?;
         }
-        let (cells, verdict) = match ended {
-            Ok(found) => {
-                for (_, count, first) in &found.wrong {
-                    tell!("{}: {count} words beyond tolerance: {first}", folder.display());
-                }
-                for message in &found.messages {
-                    tell!("{}: {message}", folder.display());
-                }
-                let wrong: usize = found.wrong.iter().map(|(_, count, _)| count).sum();
-                ([found.words, wrong].map(|count| count.to_string()), if found.passes() { "passes" } else { "FAILS" })
-            }
-            Err((verdict, why)) => {
-                tell!("{}: {why}", folder.display());
-                (["-", "-"].map(str::to_string), verdict.name())
-            }
-        };
+        let (cells, verdict) = tell(folder, ended);
         failed += usize::from(verdict != "passes");
         let row = [folder.display().to_string(), case.about.stage.clone(), case.dispatches.len().to_string()];
         rows.push(row.into_iter().chain(cells).chain([verdict.to_string()]).collect());
@@ -170,6 +155,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         0 => Ok(()),
         1 => Err(Error::Check("1 case fails on this device".into())),
         more => Err(Error::Check(format!("{more} cases fail on this device"))),
+    }
+}
+
+/// Says what is wrong with a case; returns the numbers of words that were compared and that are wrong, and the verdict.
+fn tell(folder: &Path, ended: bug::Ended) -> ([String; 2], &'static str) {
+    match ended {
+        Ok(found) => {
+            for (_, count, first) in &found.wrong {
+                tell!("{}: {count} words beyond tolerance: {first}", folder.display());
+            }
+            for message in &found.messages {
+                tell!("{}: {message}", folder.display());
+            }
+            let wrong: usize = found.wrong.iter().map(|(_, count, _)| count).sum();
+            ([found.words, wrong].map(|count| count.to_string()), if found.passes() { "passes" } else { "FAILS" })
+        }
+        Err((verdict, why)) => {
+            tell!("{}: {why}", folder.display());
+            (["-", "-"].map(str::to_string), verdict.name())
+        }
     }
 }
 

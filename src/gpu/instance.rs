@@ -47,6 +47,24 @@ unsafe extern "system" fn on_message(
     vk::FALSE
 }
 
+impl Inner {
+    /// Keeps the validation layer's messages from now on.
+    fn listen(&mut self) -> Result<()> {
+        use vk::{DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Kind};
+        let Some(debug) = &self.debug else { return Ok(()) };
+        let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
+            .message_severity(Severity::WARNING | Severity::ERROR)
+            .message_type(Kind::VALIDATION | Kind::GENERAL)
+            .pfn_user_callback(Some(on_message))
+            .user_data(std::ptr::from_ref(&*self.messages).cast_mut().cast());
+        self.messenger = vk_call("vkCreateDebugUtilsMessengerEXT", "listening to the validation layer", || {
+            // SAFETY: the callback's data lives in the box of `self`, freed after the messenger.
+            unsafe { debug.create_debug_utils_messenger(&info, None) }
+        })?;
+        Ok(())
+    }
+}
+
 impl Instance {
     /// Loads Vulkan; with `validation`, the Khronos layer with synchronization validation, whose messages are kept.
     pub fn open(validation: bool) -> Result<Self> {
@@ -109,17 +127,8 @@ impl Instance {
             presents: !surface.is_empty(),
             entry,
         };
-        if validation && let Some(debug) = &inner.debug {
-            use vk::{DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Kind};
-            let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
-                .message_severity(Severity::WARNING | Severity::ERROR)
-                .message_type(Kind::VALIDATION | Kind::GENERAL)
-                .pfn_user_callback(Some(on_message))
-                .user_data(std::ptr::from_ref(&*inner.messages).cast_mut().cast());
-            inner.messenger = vk_call("vkCreateDebugUtilsMessengerEXT", "listening to the validation layer", || {
-                // SAFETY: the callback's data lives in the box of `inner`, freed after the messenger.
-                unsafe { debug.create_debug_utils_messenger(&info, None) }
-            })?;
+        if validation {
+            inner.listen()?;
         }
         Ok(Self(Arc::new(inner)))
     }

@@ -90,7 +90,8 @@ mod tests {
         let (choices, extras) = (Choices::default(), Extras::default());
         let whole = extensions(false, &Offers::default(), &choices, &extras);
         assert!(whole.is_empty());
-        let offers = Offers { portability_subset: true, full_subgroups: true, ..Offers::default() };
+        let mut offers = Offers::default();
+        (offers.portability_subset, offers.full_subgroups) = (true, true);
         let part = extensions(true, &offers, &choices, &extras);
         assert_eq!(part, [khr::swapchain::NAME, ext::subgroup_size_control::NAME, khr::portability_subset::NAME]);
     }
