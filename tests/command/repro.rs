@@ -21,6 +21,17 @@ fn only(folder: &Path) -> std::path::PathBuf {
     folder.join(&all[0])
 }
 
+/// Writes a bug report of a case that fails.
+fn a_bug_report_says_all(here: &tempfile::TempDir, replay: &str) {
+    let output = program(here, &format!("{replay} --bug bug.md")).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output).1);
+    let text = read(here, "bug.md");
+    for words in ["# A compute shader differs", "words beyond tolerance: radiosity[", "- driver: ", "- system: "] {
+        assert!(text.contains(words), "no {words:?} in {text}");
+    }
+    assert!(text.contains("milkglass replay off/") && text.contains("- transport/blocks/push ["), "{text}");
+}
+
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_planted_fault_is_dumped_and_replayed() {
@@ -53,15 +64,7 @@ fn a_planted_fault_is_dumped_and_replayed() {
         good(&here, &format!("{replay} --replace transport/blocks/push=sound.comp"));
         bad(&here, &replay, 1, &["1 case fails"]);
         if fault == "off" {
-            let output = program(&here, &format!("{replay} --bug bug.md")).output().unwrap();
-            assert_eq!(output.status.code(), Some(1), "{}", said(&output).1);
-            let text = read(&here, "bug.md");
-            for words in
-                ["# A compute shader differs", "words beyond tolerance: radiosity[", "- driver: ", "- system: "]
-            {
-                assert!(text.contains(words), "no {words:?} in {text}");
-            }
-            assert!(text.contains("milkglass replay off/") && text.contains("- transport/blocks/push ["), "{text}");
+            a_bug_report_says_all(&here, &replay);
         }
         // The least of it shows the same.
         let least = line.replace(&format!("--dump {fault}"), &format!("--dump {fault}-least --minimize"));
