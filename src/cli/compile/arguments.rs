@@ -64,12 +64,9 @@ pub struct Arguments {
     /// Compile in this process.
     #[arg(long, hide = true)]
     pub(super) child: bool,
-    /// The pipelines to compile, for a child.
-    #[arg(long, hide = true, value_name = "JSON", default_value = "[]", hide_default_value = true)]
-    pub(super) pipelines: String,
-    /// Where a child puts the module that it is about to compile.
-    #[arg(long, hide = true, value_name = "FILE")]
-    pub(super) module: Option<PathBuf>,
+    /// The folder of a child: it reads the pipelines to compile, and writes the module that is next.
+    #[arg(long, hide = true, value_name = "FOLDER", default_value = ".", hide_default_value = true)]
+    pub(super) exchange: PathBuf,
 }
 
 impl Arguments {

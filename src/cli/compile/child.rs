@@ -13,6 +13,11 @@ use crate::cli::write;
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, Instance, Kernel, Kernels};
 
+/// In the folder of a child: the pipelines to compile, as JSON.
+pub(super) const LIST: &str = "pipelines.json";
+/// There: the module that is compiled next.
+pub(super) const MODULE: &str = "module.spv";
+
 /// What a child writes.
 #[derive(Serialize, Deserialize)]
 pub(super) enum Line {
@@ -39,8 +44,9 @@ pub(super) fn compile(arguments: &Arguments) -> Result<()> {
     };
     let built_in = Device::compiler(&instance, adapter, arguments.isa.is_some())?;
     let device = replaced(&built_in, &arguments.replace.load()?)?;
-    let wanted: Vec<Wanted> = serde_json::from_str(&arguments.pipelines)
-        .map_err(|error| Input::new("not a list of pipelines").key("--pipelines").found(error))?;
+    let list = std::fs::read(arguments.exchange.join(LIST)).unwrap_or_default();
+    let wanted: Vec<Wanted> = serde_json::from_slice(&list)
+        .map_err(|error| Input::new("not a list of pipelines").key("--exchange").found(error))?;
     let mut out = std::io::stdout().lock();
     let mut say = |line: &Line| -> Result<()> {
         let text = serde_json::to_string(line).unwrap_or_default();
@@ -49,10 +55,8 @@ pub(super) fn compile(arguments: &Arguments) -> Result<()> {
     say(&Line::Device(format!("{}, {}", adapter.name, adapter.driver)))?;
     let kernels = [Kernels::new(&device), Kernels::new(&built_in)];
     for one in &wanted {
-        if let Some(path) = &arguments.module {
-            let bytes: Vec<u8> = device.words(&one.kernel)?.iter().flat_map(|word| word.to_le_bytes()).collect();
-            write(path, bytes)?;
-        }
+        let module: Vec<u8> = device.words(&one.kernel)?.iter().flat_map(|word| word.to_le_bytes()).collect();
+        write(&arguments.exchange.join(MODULE), module)?;
         say(&Line::Begins(one.kernel.clone()))?;
         let kernel = kernels[0].get(&one.kernel, &one.values)?;
         say(&Line::Pipeline(reported(one, &kernel)?))?;

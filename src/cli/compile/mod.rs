@@ -17,7 +17,7 @@ use super::watch::{itself, watched};
 use super::{print, write};
 pub use arguments::Arguments;
 use arguments::FAMILIES;
-use child::Line;
+use child::{LIST, Line, MODULE};
 use milkglass::error::{Error, Result};
 use milkglass::internals::pipeline::plan::Options;
 use milkglass::internals::view::atomic_file::ready;
@@ -99,9 +99,12 @@ pub fn tables(scene: &Scene, families: &[&str]) -> Result<Vec<(String, Table)>> 
 /// the current folder.
 fn compile(job: &Job<'_>, family: &str) -> Result<(Compiled, Option<String>)> {
     let mut command = itself("compile")?;
-    let module = std::env::temp_dir().join(format!("milkglass-compile-{}.spv", std::process::id()));
+    let exchange = std::env::temp_dir().join(format!("milkglass-compile-{}", std::process::id()));
     let list = serde_json::to_string(job.wanted).unwrap_or_default();
-    command.args(&job.words).args(["--for", family, "--pipelines", &list, "--module"]).arg(&module);
+    std::fs::create_dir_all(&exchange)
+        .and_then(|()| std::fs::write(exchange.join(LIST), list))
+        .map_err(|error| Error::device(format!("writing {}", exchange.display()), error))?;
+    command.args(&job.words).args(["--for", family, "--exchange"]).arg(&exchange);
     if family != "here" {
         command.env("RADV_FORCE_FAMILY", family);
     }
@@ -115,8 +118,8 @@ fn compile(job: &Job<'_>, family: &str) -> Result<(Compiled, Option<String>)> {
         }
         Ok(())
     });
-    let held = std::fs::read(&module);
-    let _ = std::fs::remove_file(&module);
+    let held = std::fs::read(exchange.join(MODULE));
+    let _ = std::fs::remove_dir_all(&exchange);
     let failure = match ended? {
         None => None,
         Some((_, why)) if at.is_empty() => Some(format!("{family}: {why}")),
