@@ -60,7 +60,7 @@ impl TimingArguments {
 }
 
 /// A share of 1, also in percent.
-fn share(text: &str) -> Result<f64, String> {
+pub(super) fn share(text: &str) -> Result<f64, String> {
     let number = |text: &str, scale: f64| Some(text.trim().parse::<f64>().ok()? * scale);
     let found = text.strip_suffix('%').map_or_else(|| number(text, 1.0), |text| number(text, 0.01));
     found.filter(|share| (1e-4..=0.5).contains(share)).ok_or_else(|| "expected 0.01% to 50%, or 0.0001 to 0.5".into())

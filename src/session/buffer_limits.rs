@@ -13,8 +13,7 @@ impl Session {
         let data = &self.state().data;
         let most = limits.binding_bytes;
         let faces = self.state().sum(|object| object.count.faces);
-        let bits =
-            |items: String, words: u32| format!("a bit for each of {items} and {} samples of lights", 32 * words);
+        let bits = |items: String, words: u32| format!("a bit for each of {items} and {} light samples", 32 * words);
         let at_pixels = data.camera.first().map_or(0, |camera| camera.shadow_words);
         let fewer = "use fewer samples, or shadows = false";
         for (id, what, advice) in [

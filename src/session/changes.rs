@@ -282,7 +282,7 @@ impl Session {
         let device = self.device().cloned();
         let mut scene = self.fixed.asked.clone().unwrap_or_else(|| self.scene.clone());
         change(&mut scene);
-        let (options, hints) = (self.fixed.options, self.fixed.room);
+        let (options, hints) = (self.fixed.options, self.fixed.hints);
         *self = Self::after(Some(self), &scene, device.as_ref(), options, hints)?;
         Ok(())
     }

@@ -43,7 +43,7 @@ impl Session {
         scene: &Scene,
         device: Option<&Device>,
         options: Options,
-        room: CapacityHints,
+        hints: CapacityHints,
     ) -> Result<Self> {
         memory_estimate::check(scene, options)?;
         beside(&scene.objects, options.transport)?;
@@ -62,10 +62,10 @@ impl Session {
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
         let plan = choice.told(Plan::new(&prepared.state, options).without(receivers.clone()));
         // Links and form factors are separate lists, and everything else needs memory as well.
-        let room = CapacityHints { kept: room.kept.min(scene.memory.left() / 4), ..room };
+        let hints = CapacityHints { kept: hints.kept.min(scene.memory.left() / 4), ..hints };
         let lists = match before.as_deref() {
             Some(before) => before.lists.again(&mut prepared, &before.prepared.state),
-            None => Lists::new(room, device.map(Device::limits)).cut_new(&mut prepared),
+            None => Lists::new(hints, device.map(Device::limits)).cut_new(&mut prepared),
         };
         let gpu = match before.as_deref_mut() {
             Some(before) => before.gpu.take(),
@@ -96,7 +96,7 @@ impl Session {
             walk: WalkTransport::default(),
             solves: Vec::new(),
             choice,
-            fixed: Fixed { asked, options, room, receivers },
+            fixed: Fixed { asked, options, hints, receivers },
         };
         let sized = session.fits().and_then(|()| session.resize());
         match (session.unless_too_much(sized), before) {

@@ -49,7 +49,7 @@ impl Session {
         let options = Options { mode: Mode::OnTheFly, ..options };
         self.plan = self.plan_of(options).without(("kept links", why.clone()));
         self.not_kept = Some(why);
-        self.lists = Lists::new(self.fixed.room, self.limits());
+        self.lists = Lists::new(self.fixed.hints, self.limits());
         self.lists.cut(&mut self.prepared);
         self.pending = Change::EVERYTHING.into();
         self.resize().map(|()| false)
@@ -58,7 +58,7 @@ impl Session {
     /// After a frame that failed, restores buffers and capacities so that the next frame can run in full.
     pub(crate) fn recover(&mut self) -> Result<()> {
         if self.failed {
-            self.lists = Lists::new(self.fixed.room, self.limits());
+            self.lists = Lists::new(self.fixed.hints, self.limits());
             self.lists.cut(&mut self.prepared);
             self.pending = Change::EVERYTHING.into();
             self.resize()?;

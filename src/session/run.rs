@@ -88,7 +88,7 @@ pub(crate) struct Fixed {
     /// The options, before any that do not fit were changed.
     pub options: Options,
     /// Initial capacities of the lists.
-    pub room: CapacityHints,
+    pub hints: CapacityHints,
     /// The kind of receivers that the plan leaves out, and why.
     pub receivers: (&'static str, String),
 }

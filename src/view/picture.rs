@@ -44,7 +44,7 @@ pub fn filmic(exposed: f64) -> f64 {
     curve(2.0 * exposed.clamp(0.0, 5.6)) / curve(11.2)
 }
 
-/// The share of pixels that a metered exposure shows no brighter than `METERED_SHOWN`.
+/// The share of the pixels of translucent objects that a metered exposure shows no brighter than `METERED_SHOWN`.
 const METERED_SHARE: f64 = 0.98;
 /// An sRGB value just below white.
 const METERED_SHOWN: f64 = 245.0 / 255.0;

@@ -1,4 +1,4 @@
-//! The program announces what takes long: rays towards many samples of lights, and long, thin triangles.
+//! The program announces what takes long: rays towards many light samples, and long, thin triangles.
 
 use std::f64::consts::TAU;
 use std::io::{BufRead, BufReader};

@@ -38,6 +38,46 @@ fn a_run_is_saved_and_compared() {
     assert!(out.contains("this run") && out.contains("B ms") && out.contains("bootstrap"), "{out}");
 }
 
+/// A saved run with all times multiplied.
+fn slowed(value: &mut Value, factor: f64) {
+    match value {
+        Value::Object(all) => all.iter_mut().filter(|(key, _)| *key != "interval_ms").for_each(|(key, value)| {
+            match value.as_array_mut() {
+                Some(list) if key.ends_with("ms") => {
+                    list.iter_mut().for_each(|ms| *ms = (factor * ms.as_f64().unwrap()).into());
+                }
+                _ => slowed(value, factor),
+            }
+        }),
+        Value::Array(all) => all.iter_mut().for_each(|value| slowed(value, factor)),
+        _ => {}
+    }
+}
+
+#[test]
+fn a_comparison_fails_beyond_its_limit() {
+    let here = folder(&[]);
+    good(&here, &format!("profile {SMALL} --device cpu --frames 64 --save a.json"));
+    let mut slow = json(&here, "a.json");
+    slowed(&mut slow, 3.0);
+    std::fs::write(here.path().join("slow.json"), slow.to_string()).unwrap();
+    let err =
+        bad(&here, "profile --compare a.json slow.json --fail-slower 5%", 1, &["% slower; --fail-slower allows 5 %"]);
+    assert!(err.contains("B against A: frame is at least") && err.contains("B against A: stages is at least"), "{err}");
+    good(&here, "profile --compare slow.json a.json --fail-slower 5% --undecided fail");
+    // A range of 0.01 % is too narrow to be sure of.
+    let strict = "profile --compare a.json a.json --fail-slower 0.01%";
+    good(&here, strict);
+    bad(
+        &here,
+        &format!("{strict} --undecided fail"),
+        1,
+        &["may be more than 0.01 % slower", "more --frames decide it"],
+    );
+    bad(&here, "profile sphere --fail-slower 2%", 2, &["--fail-slower", "nothing is compared"]);
+    bad(&here, "profile --compare a.json a.json --fail-work 1%", 2, &["--replace"]);
+}
+
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn files_that_do_not_fit_are_refused() {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::gate::Gate;
 use crate::cli::SceneArguments;
 use crate::cli::device::DeviceArgument;
 use crate::cli::replace::ReplaceArgument;
@@ -57,6 +58,8 @@ pub struct Arguments {
     /// dispatches, barriers and submissions cost, how long pipelines took to compile.
     #[arg(long, conflicts_with_all = ["against", "compare"])]
     pub(super) why: bool,
+    #[command(flatten)]
+    pub(super) gate: Gate,
     /// Run frames as standard input asks for them.
     #[arg(long, hide = true)]
     pub(super) serve: bool,
@@ -112,7 +115,17 @@ impl Arguments {
                 let fault = Input::new("goes with one device only").key(*key);
                 Err(fault.found(format!("{} of --device", self.device.len())).into())
             }
-            None => Ok(()),
+            None => match self.gate.idle(self.several(), !self.replace.pairs().is_empty()) {
+                Some("--fail-work") => {
+                    let fault = Input::new("only kernels that are replaced are counted").key("--fail-work");
+                    Err(fault.expected("--replace KERNEL=FILE").into())
+                }
+                Some(key) => {
+                    let fault = Input::new("nothing is compared").key(key);
+                    Err(fault.expected("--replace, --against, --compare, or several of --device").into())
+                }
+                None => Ok(()),
+            },
         }
     }
 

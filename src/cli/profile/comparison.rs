@@ -75,8 +75,8 @@ pub(in crate::cli) fn unmet(samples: &Samples, settings: &Settings) -> String {
     })
 }
 
-/// Prints the ratios of two runs, each with its file, or a name in place of one.
-pub(super) fn files((first, a): (&Saved, &Path), (second, b): (&Saved, &Path)) -> Result<()> {
+/// Prints the ratios of two runs, each with its file, or a name in place of one; returns them.
+pub(super) fn files((first, a): (&Saved, &Path), (second, b): (&Saved, &Path)) -> Result<Vec<Ratio>> {
     first.same_subject(second, b)?;
     let mut text = String::new();
     for (name, path, saved) in [("A", a, first), ("B", b, second)] {
@@ -102,7 +102,8 @@ pub(super) fn files((first, a): (&Saved, &Path), (second, b): (&Saved, &Path)) -
         text += &unshared(&Samples::unshared(one, two));
     }
     text += &format!("\n{}", meaning("of medians (bootstrap)", 0, rows.len()));
-    print(&text)
+    print(&text)?;
+    Ok(rows)
 }
 
 fn dropped(samples: &Samples) -> String {

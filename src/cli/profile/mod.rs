@@ -3,6 +3,7 @@
 
 mod arguments;
 mod comparison;
+mod gate;
 mod pipe;
 mod text;
 mod why;
@@ -39,7 +40,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ("--trace", arguments.trace.as_ref()),
     ])?;
     if let [first, second] = arguments.compare.as_slice() {
-        return files((&read(first)?, first), (&read(second)?, second));
+        let rows = files((&read(first)?, first), (&read(second)?, second))?;
+        return gate::end(&arguments.gate.times("B against A", &rows, &[]));
     }
     let settings = arguments.settings();
     if settings.options.mode == Mode::Incremental && settings.change == Change::EVERYTHING && !arguments.serve {
@@ -66,9 +68,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(fault.expected("a device that `milkglass devices` lists").into());
     }
     let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)])?;
-    let comparison = match &own {
+    let mut comparison = match &own {
         Some(after) => replacement(arguments, &scene, (device.as_ref(), after), &settings)?,
-        None => Value::Null,
+        None => Comparison::default(),
     };
     let device = own.or(device);
     let found = profile(&scene, device.as_ref(), &arguments.alone(&settings))?;
@@ -83,7 +85,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some((earlier, path)) = &earlier {
         earlier.same_subject(&saved, path)?;
         print("\n")?;
-        files((earlier, path), (&saved, Path::new("this run")))?;
+        let rows = files((earlier, path), (&saved, Path::new("this run")))?;
+        comparison.failures = arguments.gate.times("B against A", &rows, &[]);
     }
     let mut json = write_files(arguments, &found)?;
     if let Some(why) = &reasons {
@@ -109,16 +112,18 @@ fn replacement(
     scene: &Scene,
     (before, after): (Option<&Device>, &Device),
     settings: &Settings,
-) -> Result<Value> {
+) -> Result<Comparison> {
     let kernels = arguments.replace.load()?;
     let built_in = || arguments.open(arguments.device.first());
     let with_own = || built_in()?.map(|device| replaced(&device, &kernels)).transpose();
     let devices: [(&str, Open<'_>); 2] = [("built-in", &built_in), ("replaced", &with_own)];
     let edited = stages(after);
     let found = against(scene, &devices, settings, &edited, &mut foretold(settings))?;
-    let mut comparison = compared(&found.samples, settings)?;
-    if let (Some(before), Some(rows)) = (before, comparison.get_mut(0)) {
-        rows["work"] = works(scene, [before, after], &edited, settings)?;
+    let mut comparison = compared(arguments, &found.samples, settings)?;
+    if let (Some(before), Some(rows)) = (before, comparison.json.get_mut(0)) {
+        let (counts, failures) = works(arguments, scene, [before, after], &edited)?;
+        rows["work"] = counts;
+        comparison.failures.extend(failures);
     }
     Ok(comparison)
 }
@@ -142,7 +147,7 @@ fn builds(arguments: &Arguments, program: &Path, settings: &Settings) -> Result<
     };
     let mut starters = [starter("this build", &own), starter("other build", program)];
     let Measured { samples, .. } = compare(&mut starters, &settings.schedule(), &[], &mut foretold(settings))?;
-    let comparison = compared(&samples, settings)?;
+    let comparison = compared(arguments, &samples, settings)?;
     save(arguments, &arguments.saved(&device, &driver, samples), json!({}), comparison)
 }
 
@@ -167,7 +172,7 @@ fn devices(arguments: &Arguments, names: &[String], scene: &Scene, settings: &Se
     let devices: Vec<(&str, Open<'_>)> =
         called.iter().zip(&opens).map(|(name, open)| (name.as_str(), open as Open<'_>)).collect();
     let Measured { samples, .. } = against(scene, &devices, settings, &[], &mut foretold(settings))?;
-    let comparison = compared(&samples, settings)?;
+    let comparison = compared(arguments, &samples, settings)?;
     let [name, driver] = described(opened[0].as_ref());
     save(arguments, &arguments.saved(name, driver, samples), json!({}), comparison)
 }
@@ -190,49 +195,65 @@ fn foretold(settings: &Settings) -> impl FnMut(&Forecast) {
 }
 
 /// Counts what the built-in and the replaced kernels do, prints it for the edited stages and for others whose counts
-/// changed, and returns it.
-fn works(scene: &Scene, devices: [&Device; 2], edited: &[String], settings: &Settings) -> Result<Value> {
+/// changed; returns it, and what is beyond a limit.
+fn works(
+    arguments: &Arguments,
+    scene: &Scene,
+    devices: [&Device; 2],
+    edited: &[String],
+) -> Result<(Value, Vec<String>)> {
     let mut counted = Vec::new();
     for device in devices {
-        match work(scene, device, settings) {
+        match work(scene, device, &arguments.settings()) {
             Ok(stages) => counted.push(stages),
             Err(error) if error.is_device_fault() => {
                 print(&format!("what kernels do was not counted: {error}\n\n"))?;
-                return Ok(Value::Null);
+                return Ok((Value::Null, arguments.gate.uncounted()));
             }
             Err(error) => return Err(error),
         }
     }
-    let (mut text, mut all) = (String::new(), Vec::new());
+    let (mut text, mut all, mut failures) = (String::new(), Vec::new(), Vec::new());
     let names: BTreeSet<&str> = counted.iter().flat_map(|stages| stages.keys().copied()).collect();
     for stage in names {
         let [before, after] = [0, 1].map(|k| counted[k].get(stage).copied().unwrap_or_default());
         if edited.iter().any(|name| name == stage) || before != after {
             text += &work_told(stage, [before, after]);
+            failures.extend(arguments.gate.work(stage, [before, after]));
             all.push(json!({"stage": stage, "before": before, "after": after}));
         }
     }
     print(&format!("counted exactly, in one more frame of each:\n{text}\n"))?;
-    Ok(all.into())
+    Ok((all.into(), failures))
+}
+
+/// A comparison: as JSON, and what is beyond a limit.
+#[derive(Default)]
+struct Comparison {
+    json: Value,
+    failures: Vec<String>,
 }
 
 /// Prints the ratios of samples of several variants; returns them.
-fn compared(samples: &Samples, settings: &Settings) -> Result<Value> {
+fn compared(arguments: &Arguments, samples: &Samples, settings: &Settings) -> Result<Comparison> {
     let ratios = samples.ratios();
     print(&format!("{}{}\n", told(samples, &ratios), unmet(samples, settings)))?;
     let names = samples.variants.iter().skip(1).map(|variant| &variant.name);
-    Ok(names.zip(&ratios).map(|(name, rows)| json!({"variant": name, "rows": rows})).collect())
+    let rows = names.zip(&ratios);
+    let failures = rows.clone().flat_map(|(name, rows)| arguments.gate.times(name, rows, &samples.edited)).collect();
+    Ok(Comparison { json: rows.map(|(name, rows)| json!({"variant": name, "rows": rows})).collect(), failures })
 }
 
-/// Writes the file of `--save`, if it was requested.
-fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: Value) -> Result<()> {
-    let Some(path) = &arguments.save else { return Ok(()) };
+/// Writes the file of `--save`, if it was requested; fails if the comparison is beyond a limit.
+fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: Comparison) -> Result<()> {
+    let Some(path) = &arguments.save else { return gate::end(&comparison.failures) };
     let fault = |error: serde_json::Error| Error::from(Input::new(error.to_string()).file(path));
     if let (Value::Object(all), Value::Object(own)) = (&mut value, serde_json::to_value(saved).map_err(fault)?) {
         all.extend(own);
-        all.insert("comparison".into(), comparison);
+        all.insert("comparison".into(), comparison.json);
     }
-    write(path, format!("{value:#}\n"))
+    write(path, format!("{value:#}\n"))?;
+    gate::end(&comparison.failures)
 }
 
 /// Name and driver of a device, or of the CPU's reference.

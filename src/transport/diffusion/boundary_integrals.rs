@@ -82,7 +82,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
         let solution = u32::from(density == Density::Solution);
         let vector = step.saturating_sub(1) as u32;
         let (faces, nodes) = (pass.object().count.faces, pass.state.method.nodes);
-        // Layers of the source term are not kept: its light changes, and lies at its own depth in each channel.
+        // Layers of the source term are not kept: the place of its light, in each channel, changes with the light.
         let kept = if density == Density::Source { 0 } else { kept(pass.object()) as u32 };
         pass.dispatch(Some("leaf"), &[source, solution], bytemuck::bytes_of(&vector), faces)?;
         pass.climb("cluster", &[source])?;

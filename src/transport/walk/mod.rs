@@ -63,7 +63,7 @@ impl EntryBlock {
 }
 
 impl EntrySum {
-    /// The light of all triangles up to and with this one in one channel, as an integer.
+    /// The light of all triangles up to and including this one in one channel, as an integer.
     #[must_use]
     pub fn sum(&self, channel: usize) -> u64 {
         sum64([self.low[channel], self.high[channel]])

@@ -54,9 +54,9 @@ pub(crate) fn entered(data: &Buffers, light: &Light, channel: usize, face: usize
     (if counts { sum } else { 0.0 }, toward)
 }
 
-/// The unit direction inside of a photon that enters a triangle, in the object's own frame. A light is drawn by how
-/// much light enters from each; irradiance that none of them explains is the environment's, and comes evenly from all
-/// directions.
+/// The unit direction inside of a photon that enters a triangle, in the object's own frame. The lights are drawn in
+/// proportion to what enters from each; irradiance that none of them explains is the environment's, and comes evenly
+/// from all directions.
 fn entry(data: &Buffers, channel: usize, face: usize, normal: [f32; 3], number: u32, random: u32) -> [f32; 3] {
     let (params, eta) = (&data.object_params[0], data.object_params[0].eta[channel]);
     let out = turned(params, normal);

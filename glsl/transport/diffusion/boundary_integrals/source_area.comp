@@ -5,7 +5,7 @@
 // Adds light deposited below near triangles, by 6 area points where it is far enough for them, at every receiver of the
 // block.
 layout(local_size_x = GROUP_SIZE) in;
-// Layers of the light are not kept: light may change with every frame.
+// Layers of the light are not kept: its place may change with every frame.
 const uint KEPT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; Range part; };
 READS(object_params)

@@ -6,7 +6,7 @@
 // looks for its own next such triangle: there are few.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint NODES = 6;
-// Layers of the light are not kept: light may change with every frame.
+// Layers of the light are not kept: its place may change with every frame.
 const uint KEPT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; Range part; };
 READS(object_params)

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The light of all triangles up to and with each one; and its exits, which start empty.
+// The light of all triangles up to and including each one; and its exits, which start empty.
 READS(object_params)
 READS(leaves)
 READS(clusters)

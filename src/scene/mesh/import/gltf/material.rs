@@ -89,9 +89,11 @@ pub(super) fn of_part(
         let mut note = |words: &str| notes.push(format!("material {name}: {words}"));
         let clear = ["KHR_materials_transmission", "KHR_materials_volume"];
         if medium.is_none() && clear.iter().any(|name| extension!(material, *name).is_some()) {
-            note("a clear medium, without scattering, cannot be rendered; it gets the default material of a mesh");
+            note(
+                "a clear medium, without scattering, cannot be rendered; it gets the material that the mesh has otherwise",
+            );
         } else if medium.is_none() && extension!(material, "KHR_materials_diffuse_transmission").is_some() {
-            note("diffuse transmission without a volume is left out; it gets the default material of a mesh");
+            note("diffuse transmission without a volume is left out; it gets the material that the mesh has otherwise");
         }
         match material.alpha_mode {
             Valid(AlphaMode::Mask) => note("its alpha mask is left out: what it would cut away is shown"),

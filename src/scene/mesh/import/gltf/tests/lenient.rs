@@ -158,7 +158,7 @@ fn what_a_picture_leaves_out_is_said() {
             r#""extensions":{"KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":1}}"#,
             "",
             String::new(),
-            Some("diffuse transmission without a volume is left out; it gets the default material of a mesh"),
+            Some("diffuse transmission without a volume is left out; it gets the material that the mesh has otherwise"),
         ),
     ] {
         let (made, notes) = look(material, attributes, &rest);
