@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::device::opened;
 use super::replace::ReplaceArgument;
+use super::run_args::quoted;
 use super::watch::{itself, seconds, watched};
 use super::{print, size, table, write};
 use milkglass::error::{Error, Input, Result};
@@ -43,14 +44,6 @@ impl Chosen {
     fn look(&self) -> Result<Adapter> {
         let adapters = Instance::open(!self.no_validation)?.adapters()?;
         Ok(adapters[self.index(&adapters)?].clone())
-    }
-
-    /// The report of a case that ended so.
-    fn report(&self, case: (&Path, &Case), ended: &bug::Ended, adapter: &Adapter) -> Result<String> {
-        let layer = Instance::open(!self.no_validation)?.layer();
-        // A kernel that ended a process may end this one.
-        let device = ended.is_ok().then(|| self.open()).transpose()?;
-        bug::report(case, ended, adapter, (layer.as_deref(), device.as_ref()))
     }
 
     fn index(&self, adapters: &[Adapter]) -> Result<usize> {
@@ -95,6 +88,21 @@ pub struct Arguments {
     child: bool,
 }
 
+impl Arguments {
+    /// The report of a case that ended so.
+    fn report(&self, (folder, case): (&Path, &Case), ended: &bug::Ended, adapter: &Adapter) -> Result<String> {
+        let layer = Instance::open(!self.device.no_validation)?.layer();
+        // A kernel that ended a process may end this one.
+        let device = ended.is_ok().then(|| self.device.open()).transpose()?;
+        let mut command =
+            format!("milkglass replay {} --device {}", quoted(&folder.display().to_string()), adapter.number);
+        command += if self.device.no_validation { " --no-validation" } else { "" };
+        command += &format!(" --times {}{}", self.times, self.replace.again());
+        let replaced = self.replace.told();
+        bug::report((folder, case), ended, adapter, (layer.as_deref(), device.as_ref()), (&command, &replaced))
+    }
+}
+
 /// What a process that runs a case says.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -124,6 +132,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .try_for_each(|(_, case)| say(&Said::Found(case.replay(&device, arguments.times as usize)?)));
     }
     ready([("--bug", arguments.bug.as_ref())])?;
+    if let Some(file) = arguments.bug.as_ref().filter(|file| file.extension().is_none_or(|ending| ending != "md")) {
+        let fault = Input::new("the report is Markdown").key("--bug").found(file.display());
+        return Err(fault.expected("a file that ends in .md").into());
+    }
     if let (Some(file), false) = (&arguments.bug, cases.len() == 1) {
         let fault = Input::new("a report is of one case").key("--bug").found(format!(
             "{}, {} cases",
@@ -141,10 +153,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let two = case.about.seconds.unwrap_or(600.0);
         let timeout = arguments.timeout.unwrap_or(two * f64::from(arguments.times.max(2)) / 2.0);
         let ended = played(folder, &words, (arguments.times, timeout))?;
+        let (cells, verdict) = tell(folder, &ended);
         if let Some(file) = &arguments.bug {
-            write(file, arguments.device.report((folder, case), &ended, &adapter)?)?;
+            write(file, arguments.report((folder, case), &ended, &adapter)?)?;
         }
-        let (cells, verdict) = tell(folder, ended);
         failed += usize::from(verdict != "passes");
         let row = [folder.display().to_string(), case.about.stage.clone(), case.dispatches.len().to_string()];
         rows.push(row.into_iter().chain(cells).chain([verdict.to_string()]).collect());
@@ -159,7 +171,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Says what is wrong with a case; returns the numbers of words that were compared and that are wrong, and the verdict.
-fn tell(folder: &Path, ended: bug::Ended) -> ([String; 2], &'static str) {
+fn tell(folder: &Path, ended: &bug::Ended) -> ([String; 2], &'static str) {
     match ended {
         Ok(found) => {
             for (_, count, first) in &found.wrong {

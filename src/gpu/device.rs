@@ -50,6 +50,10 @@ impl Device {
     /// destroyed, since drivers of null hardware crash there. With `keeps_code` pipelines keep their code, too.
     pub fn compiler(instance: &Instance, adapter: &Adapter, keeps_code: bool) -> Result<Self> {
         let extras = Extras { statistics: true, code: keeps_code, ..Extras::default() };
+        if !adapter.offers.statistics {
+            let what = "it lacks VK_KHR_pipeline_executable_properties, by which compilers report";
+            return Err(Error::device(format!("asking the compiler of {}", adapter.name), what));
+        }
         let logical = LogicalDevice::open(instance, adapter, &Choices::default(), &extras)?;
         logical.give_up();
         Ok(Self { logical, kernels: Rc::default() })

@@ -23,6 +23,8 @@ pub struct Offers {
     pub(super) shuffles: bool,
     /// Storage buffers in a set that is bound once for all kernels; 0 where it can't have unused ones.
     set_buffers: u32,
+    /// Whether its compiler reports on pipelines: `VK_KHR_pipeline_executable_properties`.
+    pub(super) statistics: bool,
     /// Whether it is a driver of a part of Vulkan, which has to be opened as such: `VK_KHR_portability_subset`.
     pub(super) portability_subset: bool,
     /// How many queues the family of its compute queue has.
@@ -91,6 +93,7 @@ impl Offers {
                 false => 0,
             },
             queues: families.get(family as usize).map_or(0, |family| family.queue_count),
+            statistics: has(khr::pipeline_executable_properties::NAME),
             portability_subset: has(khr::portability_subset::NAME),
             timelines: timeline.timeline_semaphore == vk::TRUE,
             memory_types: memory_types(memory.memory_types_as_slice()),
@@ -126,6 +129,7 @@ impl Offers {
                 "it lacks descriptorBindingPartiallyBound with descriptorBindingStorageBufferUpdateAfterBind"
             }
             (_, Barriers::Synchronization2) if !self.synchronization2 => "it lacks VK_KHR_synchronization2",
+            (_, Barriers::Events) if self.portability_subset => "it has a part of Vulkan, which may lack events",
             _ if choices.queues != Queues::One && !self.timelines => "it lacks timelineSemaphore",
             _ if choices.queues == Queues::Two && self.queues < 2 => "the family of its compute queue has one queue",
             _ if wanted.is_none() => "it has no such memory type",

@@ -1,5 +1,6 @@
 //! `profile`, `shader`, `--replace`, and the output of `conform` and `plan`, as users run them.
 
+use super::conform::planted;
 use crate::shell::{bad, folder, good, program, read, said};
 
 const SMALL: &str = "sphere --set object.0.detail=1 --set camera.size=[16,12]";
@@ -77,13 +78,15 @@ fn a_shader_is_printed_and_taken_back() {
     bad(&here, "shader transport/blocks/pus", 2, &["there is no such shader", "transport/blocks/push"]);
     let (layout, _) = good(&here, "shader layout.glsl");
     assert!(layout.contains("struct ObjectParams {"));
-    for kernel in ["transport/blocks/push", "transport/blocks/gather/direct"] {
-        let (text, _) = good(&here, &format!("shader {kernel}"));
-        std::fs::write(here.path().join("my.comp"), text).unwrap();
-        let (out, err) = good(&here, &format!("profile a.toml --frames 2 --replace {kernel}=my.comp"));
-        assert!(out.contains("ratio") && err.contains("conform to the reference"), "{out}{err}");
-        assert!(out.contains(": the same: flop ") && !out.contains("undecided"), "{out}");
-    }
+    let line = "profile a.toml --frames 2 --fail-work 1% --replace";
+    planted(&here, "more.comp", "max(sum + min(exp(sum), vec3(0)), vec3(0))");
+    let more = ["conform to the reference", "push: exp 0 -> ", "--fail-work allows 1 % more"];
+    bad(&here, &format!("{line} transport/blocks/push=more.comp"), 1, &more);
+    let (text, _) = good(&here, "shader transport/blocks/gather/direct");
+    std::fs::write(here.path().join("my.comp"), text).unwrap();
+    let (out, err) = good(&here, &format!("{line} transport/blocks/gather/direct=my.comp"));
+    assert!(out.contains("ratio") && err.contains("conform to the reference"), "{out}{err}");
+    assert!(out.contains(": the same: flop ") && !out.contains("undecided"), "{out}");
     good(&here, "conform a.toml --no-validation --replace transport/blocks/gather/direct=my.comp");
     // A group of 8 x 8: subgroups of 16, as of lavapipe with 512 bits, can't be asked to be full there.
     let (text, _) = good(&here, "shader transport/blocks/gather/direct");

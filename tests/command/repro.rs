@@ -124,7 +124,11 @@ fn what_passes_is_dumped_too() {
     let text = std::fs::read_to_string(here.path().join("case/transport-blocks-push.spvasm")).unwrap();
     assert!(text.contains("OpEntryPoint GLCompute") && text.contains("OpFunctionEnd"), "{text}");
     amber::read(&here.path().join("case"));
-    good(&here, "replay case --no-validation");
+    good(&here, "replay case --no-validation --bug bug.md");
+    let text = read(&here, "bug.md");
+    let again = "milkglass replay case --device 0 --no-validation --times 2\ncd case && amber ";
+    assert!(text.starts_with("# A compute shader conforms on ") && text.contains(again), "{text}");
+    bad(&here, "replay case --bug case/replay.json", 2, &["--bug", "ends in .md"]);
     // A second time over it.
     good(&here, "dump pull --fixture sliver -o case --no-validation");
     good(&here, "replay case --no-validation");

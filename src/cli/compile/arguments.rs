@@ -8,6 +8,7 @@ use clap::Args;
 use crate::cli::replace::ReplaceArgument;
 use crate::cli::watch::seconds;
 use crate::cli::{RunArguments, SceneArguments};
+use milkglass::error::{Input, Result};
 
 /// Families of RADV that `--for all` stands for: one or more of each generation since 2016. The last two are names of
 /// the same GPU in older and newer versions of Mesa.
@@ -70,6 +71,32 @@ pub struct Arguments {
 }
 
 impl Arguments {
+    /// The families, each once, and whether each was typed by its own name.
+    pub(super) fn families(&self) -> Result<Vec<(&str, bool)>> {
+        let mut all: Vec<(&str, bool)> = Vec::new();
+        let typed = self.families.iter().map(|family| family.trim());
+        let stood_for = FAMILIES.iter().filter(|_| self.families.iter().any(|family| family.trim() == "all"));
+        for (family, typed) in typed.map(|family| (family, true)).chain(stood_for.map(|family| (*family, false))) {
+            if family.is_empty() || !family.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
+                let fault = Input::new("not the name of a family").key("--for").found(format!("{family:?}"));
+                return Err(fault.expected("names such as navi21, with commas between them").into());
+            }
+            if family != "all" && !all.iter().any(|(known, _)| *known == family) {
+                all.push((family, typed));
+            }
+        }
+        let here = all.iter().any(|(family, _)| *family == "here");
+        if self.run.device.is_cpu() {
+            let fault = Input::new("the CPU has no compiler of kernels").key("--device").found("cpu");
+            return Err(fault.expected("a device that `milkglass devices` lists").into());
+        }
+        if self.run.device.words().is_some() && !here {
+            let fault = Input::new("goes with --for here only").key("--device");
+            return Err(fault.found(self.families.join(",")).into());
+        }
+        Ok(all)
+    }
+
     /// The words that a child's command line needs of this one.
     pub(super) fn words(&self) -> Vec<OsString> {
         let words = self.replace.words().map(OsString::from).chain(self.run.device.words().map(OsString::from));

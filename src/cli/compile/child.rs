@@ -83,8 +83,6 @@ fn reported(wanted: &Wanted, kernel: &Kernel) -> Result<Pipeline> {
 
 /// Writes the code of a pipeline into this folder. The name of the file has the kernel's, and the constants'.
 fn code(folder: &Path, wanted: &Wanted, kernel: &Kernel) -> Result<()> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Input::new("the folder can't be made").file(folder).key("--isa").found(error))?;
     let constants: String = wanted.constants.chars().filter(|c| !c.is_whitespace()).collect();
     let dot = if constants.is_empty() { "" } else { "." };
     let name = format!("{}{dot}{constants}.txt", wanted.kernel.replace('/', "-"));

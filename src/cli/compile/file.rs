@@ -8,11 +8,14 @@ use serde_json::{Value, json};
 use super::record::{Compiled, Pipeline, Sheets};
 use milkglass::error::{Error, Input, Result};
 
+/// The columns of CSV.
+const HEADER: [&str; 5] = ["compiler", "kernel", "constants", "statistic", "value"];
+
 /// Everything that the compilers reported except hashes, as CSV.
 pub(super) fn csv(sheets: &Sheets) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut add = |row: [&str; 5]| writer.write_record(row).map_err(|error| Error::device("writing CSV", error));
-    add(["compiler", "kernel", "constants", "statistic", "value"])?;
+    add(HEADER)?;
     for (family, sheet) in sheets {
         for pipeline in &sheet.pipelines {
             for (name, value) in reported(pipeline) {
@@ -54,11 +57,18 @@ fn reported(pipeline: &Pipeline) -> impl Iterator<Item = &(String, f64)> {
 pub(super) fn read(path: &Path) -> Result<Sheets> {
     let fault = |what: &str| Input::new(what).file(path).key("--baseline");
     let mut reader = csv::Reader::from_path(path).map_err(|error| fault("the file could not be read").found(error))?;
+    let other =
+        |found: &dyn std::fmt::Display| fault("not what compile writes").found(found).expected(HEADER.join(","));
+    let header = reader.headers().map_err(|error| other(&error))?;
+    if header != HEADER.as_slice() {
+        return Err(other(&header.iter().collect::<Vec<_>>().join(",")).into());
+    }
     let mut sheets = Sheets::new();
     for record in reader.deserialize::<(String, String, String, String, f64)>() {
-        let (family, kernel, constants, name, value) = record.map_err(|error| {
-            fault("not what compile writes").found(error).expected("compiler,kernel,constants,statistic,value")
-        })?;
+        let (family, kernel, constants, name, value) = record.map_err(|error| other(&error))?;
+        if !value.is_finite() {
+            return Err(other(&format!("{kernel}: {name} {value}")).into());
+        }
         let pipelines = &mut sheets.entry(family).or_default().pipelines;
         match pipelines.iter_mut().find(|known| known.kernel == kernel && known.constants == constants) {
             Some(known) => known.statistics.push((name, value)),

@@ -11,16 +11,16 @@ mod record;
 mod sheet;
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::watch::{itself, watched};
 use super::{print, write};
 pub use arguments::Arguments;
-use arguments::FAMILIES;
 use child::{LIST, Line, MODULE};
-use milkglass::error::{Error, Result};
+use milkglass::error::{Error, Input, Result};
 use milkglass::internals::pipeline::plan::Options;
-use milkglass::internals::view::atomic_file::ready;
+use milkglass::internals::view::atomic_file::{Part, ready};
+use milkglass::measure::results::Verdict;
 use milkglass::measure::table::Table;
 use milkglass::scene::Scene;
 use pipelines::{Wanted, wanted};
@@ -28,21 +28,26 @@ use record::{Compiled, Sheets};
 
 /// Compiles, and prints what is reported.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    ready([("--csv", arguments.csv.as_ref()), ("--json", arguments.json.as_ref())])?;
     if arguments.child {
         return child::compile(arguments);
     }
+    ready([
+        ("--baseline", arguments.baseline.as_ref().filter(|path| path.is_file())),
+        ("--csv", arguments.csv.as_ref()),
+        ("--json", arguments.json.as_ref()),
+    ])?;
     let known = arguments.baseline.as_deref().map(file::read).transpose()?;
+    let families = arguments.families()?;
+    if let Some(folder) = &arguments.isa {
+        families.iter().try_for_each(|(family, _)| create(&folder.join(family)))?;
+    }
     let wanted = wanted(arguments)?;
+    arguments.replace.load()?.iter().try_for_each(|(kernel, _)| pipelines::runs(&wanted, kernel))?;
     let job = Job { wanted: &wanted, words: arguments.words(), timeout: arguments.timeout };
-    let every = arguments.families.iter().any(|family| family == "all");
-    let mut families: Vec<&str> =
-        arguments.families.iter().map(String::as_str).filter(|family| *family != "all").collect();
-    families.extend(FAMILIES.iter().filter(|_| every));
     let (mut sheets, mut failed) = (Sheets::new(), Vec::new());
-    for family in families {
+    for (family, typed) in families {
         let (compiled, failure) = compile(&job, family)?;
-        if every && failure.as_ref().is_some_and(|why| why.contains("Unknown family")) {
+        if !typed && failure.as_ref().is_some_and(|why| why.contains("Unknown family")) {
             tell!("left out: {family}, which this RADV does not know");
             continue;
         }
@@ -59,13 +64,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             pipelines::every()
         ))?;
     }
-    if let Some(path) = &arguments.csv {
+    // A file that lacks a compiler's figures would be a baseline without them.
+    if let (Some(path), true) = (&arguments.csv, failed.is_empty()) {
         write(path, file::csv(&sheets)?)?;
     }
     if let Some(path) = &arguments.json {
         write(path, file::json(&sheets)?)?;
     }
-    let worse: Vec<String> = known.iter().flat_map(|known| sheet::worse(known, &sheets)).collect();
+    let worse = match (&known, &arguments.baseline) {
+        (Some(known), Some(path)) => {
+            sheet::unknown(known, &sheets, path)?.iter().for_each(|line| tell!("{line}"));
+            sheet::worse(known, &sheets)
+        }
+        _ => Vec::new(),
+    };
     worse.iter().chain(&failed).for_each(|line| tell!("{line}"));
     match (failed.len(), worse.len()) {
         (0, 0) => Ok(()),
@@ -73,6 +85,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         (1, _) => Err(Error::Check("a compiler failed".into())),
         (count, _) => Err(Error::Check(format!("{count} compilers failed"))),
     }
+}
+
+/// Makes a folder of `--isa`.
+fn create(folder: &Path) -> Result<()> {
+    let fault = |error| Input::new("the folder can't be made").file(folder).key("--isa").found(error);
+    Ok(std::fs::create_dir_all(folder).map_err(fault)?)
 }
 
 /// What a child does.
@@ -99,12 +117,15 @@ pub fn tables(scene: &Scene, families: &[&str]) -> Result<Vec<(String, Table)>> 
 /// the current folder.
 fn compile(job: &Job<'_>, family: &str) -> Result<(Compiled, Option<String>)> {
     let mut command = itself("compile")?;
-    let exchange = std::env::temp_dir().join(format!("milkglass-compile-{}", std::process::id()));
+    // A part is removed at the end, whatever that is.
+    let exchange = Part::new(std::env::temp_dir().join(format!("milkglass-compile-{}", std::process::id())));
     let list = serde_json::to_string(job.wanted).unwrap_or_default();
-    std::fs::create_dir_all(&exchange)
-        .and_then(|()| std::fs::write(exchange.join(LIST), list))
-        .map_err(|error| Error::device(format!("writing {}", exchange.display()), error))?;
-    command.args(&job.words).args(["--for", family, "--exchange"]).arg(&exchange);
+    std::fs::create_dir(exchange.path())
+        .and_then(|()| std::fs::write(exchange.path().join(LIST), list))
+        .map_err(|error| Error::device(format!("writing {}", exchange.path().display()), error))?;
+    command.args(&job.words).args(["--for", family, "--exchange"]).arg(exchange.path());
+    // Else the time of a pipeline may be that of reading it from a file.
+    command.env("MESA_SHADER_CACHE_DISABLE", "true").env("MESA_GLSL_CACHE_DISABLE", "true");
     if family != "here" {
         command.env("RADV_FORCE_FAMILY", family);
     }
@@ -118,10 +139,12 @@ fn compile(job: &Job<'_>, family: &str) -> Result<(Compiled, Option<String>)> {
         }
         Ok(())
     });
-    let held = std::fs::read(exchange.join(MODULE));
-    let _ = std::fs::remove_dir_all(&exchange);
+    let held = std::fs::read(exchange.path().join(MODULE));
     let failure = match ended? {
         None => None,
+        Some((Verdict::DeviceFailed, why)) if at.is_empty() && family == "here" => {
+            return Err(Error::device("opening the device", why));
+        }
         Some((_, why)) if at.is_empty() => Some(format!("{family}: {why}")),
         Some((_, why)) => {
             let path = PathBuf::from(format!("compile-{family}-{}.spv", at.replace('/', "-")));

@@ -1,6 +1,9 @@
 //! Tables of what compilers report, and what is worse than before.
 
+use std::path::Path;
+
 use super::record::{Compiled, Pipeline, Sheets};
+use milkglass::error::{Input, Result};
 use milkglass::measure::table::Table;
 
 /// What a table shows of what drivers report, if they do: heading, meaning, and names of RADV and NVK.
@@ -62,6 +65,24 @@ pub(super) fn changes(compiled: &Compiled) -> String {
     text
 }
 
+/// A line for each family of which the baseline lacks pipelines; an error if it has none of them.
+pub(super) fn unknown(before: &Sheets, now: &Sheets, path: &Path) -> Result<Vec<String>> {
+    let mut lines = Vec::new();
+    for (family, sheet) in now {
+        let old = before.get(family).map_or(&[][..], |sheet| &sheet.pipelines);
+        let known = |new: &&Pipeline| old.iter().any(|old| old.kernel == new.kernel && old.constants == new.constants);
+        let (all, known) = (sheet.pipelines.len(), sheet.pipelines.iter().filter(known).count());
+        if known == 0 {
+            let fault = Input::new("the baseline has no pipeline that was compiled").file(path).key("--baseline");
+            return Err(fault.found(family).expected("a file of --csv, of this scene and family").into());
+        }
+        if known < all {
+            lines.push(format!("{family}: {} of {all} pipelines are not in the baseline", all - known));
+        }
+    }
+    Ok(lines)
+}
+
 /// What is worse than it was, of the pipelines that both have.
 pub(super) fn worse(before: &Sheets, now: &Sheets) -> Vec<String> {
     let mut found = Vec::new();
@@ -73,7 +94,7 @@ pub(super) fn worse(before: &Sheets, now: &Sheets) -> Vec<String> {
             if let (Some(x), Some(y)) = (value(old, heading), value(new, heading))
                 && is_worse(x, y)
             {
-                found.push(format!("{family}: {}: {heading} {x} -> {y}", new.kernel));
+                found.push(format!("{family}: {} [{}]: {heading} {x} -> {y}", new.kernel, new.constants));
             }
         };
         for (heading, factor) in WORSE {
@@ -107,7 +128,8 @@ mod tests {
         let new = sheets(&[("Spilled VGPRs", 3.0), ("Subgroups per SIMD", 7.0), ("Inverse Throughput", 111.0)]);
         assert_eq!(
             worse(&old, &new),
-            ["navi21: a/b: spilled 0 -> 3", "navi21: a/b: cycles 100 -> 111", "navi21: a/b: waves 8 -> 7"]
+            ["spilled 0 -> 3", "cycles 100 -> 111", "waves 8 -> 7"]
+                .map(|what| format!("navi21: a/b [N = 1, M = 2]: {what}"))
         );
         assert!(worse(&new, &old).is_empty());
         let folder = tempfile::tempdir().unwrap();
