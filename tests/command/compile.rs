@@ -3,6 +3,22 @@
 use super::conform::planted;
 use crate::shell::{bad, folder, good, program, read, said as said_by};
 
+/// In a folder with a baseline `a.csv` of two families, and a kernel.
+fn wrong_calls_are_refused(here: &tempfile::TempDir) {
+    for (line, code, words) in [
+        ("compile --for navi21", 2, &["no scene is given", "or --all"][..]),
+        ("compile sphere --for navi21,,vega10", 2, &["--for", "not the name of a family"]),
+        ("compile sphere --for navi21 --device 0", 2, &["--device", "--for here only"]),
+        ("compile sphere --for here --device cpu", 2, &["--device", "no compiler"]),
+        ("compile sphere --for polaris10 --baseline a.csv", 2, &["a.csv", "found polaris10"]),
+        ("compile sphere --for navi21 --csv a.csv --baseline a.csv", 2, &["--csv", "the same file as --baseline"]),
+        ("compile sphere --for navi21 --baseline spill.comp", 2, &["spill.comp", "not what compile writes"]),
+        ("compile sphere --for navi21 --replace view/shade=spill.comp", 2, &["spill.comp"]),
+    ] {
+        bad(here, line, code, words);
+    }
+}
+
 #[test]
 fn a_spill_is_found_without_the_gpu() {
     let here = folder(&[]);
@@ -50,18 +66,7 @@ fn a_spill_is_found_without_the_gpu() {
     let change = out.lines().find(|line| line.contains("built-in -> yours: ")).unwrap_or_default();
     assert!(change.starts_with("transport/blocks/push [") && change.contains("scratch 0 -> "), "{out}");
     bad(&here, &format!("{line} navi21 --baseline none.csv"), 2, &["none.csv", "could not be read"]);
-    for (line, code, words) in [
-        ("compile --for navi21", 2, &["no scene is given", "or --all"][..]),
-        ("compile sphere --for navi21,,vega10", 2, &["--for", "not the name of a family"]),
-        ("compile sphere --for navi21 --device 0", 2, &["--device", "--for here only"]),
-        ("compile sphere --for here --device cpu", 2, &["--device", "no compiler"]),
-        ("compile sphere --for polaris10 --baseline a.csv", 2, &["a.csv", "found polaris10"]),
-        ("compile sphere --for navi21 --csv a.csv --baseline a.csv", 2, &["--csv", "the same file as --baseline"]),
-        ("compile sphere --for navi21 --baseline spill.comp", 2, &["spill.comp", "not what compile writes"]),
-        ("compile sphere --for navi21 --replace view/shade=spill.comp", 2, &["spill.comp"]),
-    ] {
-        bad(&here, line, code, words);
-    }
+    wrong_calls_are_refused(&here);
     // A compiler that takes too long over a kernel: minutes over this table.
     std::fs::write(here.path().join("long.comp"), text.replace("999", "200000000")).unwrap();
     let long = format!("{line} navi21 --timeout 6 --replace transport/blocks/push=long.comp");
