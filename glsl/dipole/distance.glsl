@@ -1,5 +1,6 @@
 // Squared distance from a receiver to one of the two sources of the dipole of a point of a plane, per channel: the real
-// one, below the plane, for side 1, the virtual one, above it, for side -1. `d` runs from that point to the receiver, `n` is the plane's unit normal.
+// one, below the plane, for side 1, the virtual one, above it, for side -1. `d` runs from that point to the receiver,
+// `n` is the plane's unit normal.
 layout(constant_id = 0) const uint TABLE1 = 0;
 
 // Radial: s^2 = |d|^2 + z^2. Table 1: the sources are displaced along the normal; heights no less than z.

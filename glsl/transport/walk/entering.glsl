@@ -2,9 +2,9 @@
 // environment.
 #include "transport/walk/entered.glsl"
 
-// The unit direction inside of a photon that enters a triangle, in the object's own frame, as centre and normal are. The
-// lights are drawn in proportion to what enters from each; irradiance that none of them explains is the environment's, and
-// comes evenly from all directions.
+// The unit direction inside of a photon that enters a triangle, in the object's own frame, as centre and normal are.
+// The lights are drawn in proportion to what enters from each; irradiance that none of them explains is the
+// environment's, and comes evenly from all directions.
 vec3 entry(uint channel, uint face, vec3 center, vec3 normal, uint number, uvec4 random) {
     float eta = object_params[0].eta[channel];
     vec3 place = placed(0, center), out_there = turned(0, normal);

@@ -43,8 +43,8 @@ pub(super) fn of_scene(scene: &Scene, options: Options) -> Result<Vec<Wanted>> {
     Ok(list)
 }
 
-/// The pipelines of the scene that is asked for; with `--all` of all built-in scenes, and of fixtures that run every other kernel, each
-/// once.
+/// The pipelines of the scene that is asked for; with `--all` of all built-in scenes, and of fixtures that run every
+/// other kernel, each once.
 pub(super) fn wanted(arguments: &Arguments) -> Result<Vec<Wanted>> {
     let (scene, options) = (arguments.run.of(&arguments.scene), arguments.run.options());
     if !arguments.all {

@@ -11,8 +11,8 @@ use crate::cli::timing::share;
 /// What is allowed.
 #[derive(Args, Clone, Copy, Default)]
 pub(super) struct Gate {
-    /// Fail if something got slower by more than this, such as 2%: if the whole interval of its ratio is above 1 + SHARE. Of kernels that
-    /// are replaced: their stages, and the sum of all; else every row.
+    /// Fail if something got slower by more than this, such as 2%: if the whole interval of its ratio is above 1 +
+    /// SHARE. Of kernels that are replaced: their stages, and the sum of all; else every row.
     #[arg(long, value_name = "SHARE", value_parser = share)]
     fail_slower: Option<f64>,
     /// Fail if a replaced kernel does more work: if an exact count of its stage grows by more than this.

@@ -229,8 +229,14 @@ fn run(case: &'static Case, lists: &factor::Lists, device: Option<&Device>, plan
         }
     };
     let sound = !usual.unsound && !brute.unsound;
+    let second = match &case.compute {
+        Compute::Factors(_) | Compute::Radiosity(_) => "brute force",
+        Compute::Shading(_) => "the table",
+        Compute::Walk(_) => "the balance of light",
+        Compute::Diffusion(_) => "the equation",
+    };
     let mut faults = Vec::new();
-    for (method, found, bound) in [("the method", &usual, case.bound), ("brute force", &brute, case.brute)] {
+    for (method, found, bound) in [("the method", &usual, case.bound), (second, &brute, case.brute)] {
         faults.extend(found.faults.iter().map(|fault| format!("{method}: {fault}")));
         for (norm, error, bound) in [("L2", found.error.l2, bound.l2), ("largest", found.error.max, bound.max)] {
             // NaN is beyond any bound.
