@@ -28,7 +28,8 @@ fn a_spill_is_found_without_the_gpu() {
         println!("not tested: RADV is not installed");
         return;
     }
-    bad(&here, &format!("{line} nonsense"), 1, &["nonsense: ", "a compiler failed"]);
+    // Without a file of the others: it would be a baseline that lacks this one. `bad` looks for files.
+    bad(&here, &format!("{line} navi21,nonsense --csv a.csv"), 1, &["nonsense: ", "a compiler failed"]);
     let (out, _) = good(&here, &format!("{line} navi21,vega10 --csv a.csv --json a.json --isa code"));
     let json = read(&here, "a.json");
     assert!(json.contains("\"device\": \"Null hardware (RADV VEGA10)") && json.contains("\"VGPRs\": "), "{json}");
@@ -82,13 +83,13 @@ fn a_spill_is_found_without_the_gpu() {
 #[ignore = "slow: compiles the pipelines of all built-in scenes and every other kernel"]
 fn all_built_in_scenes_compile() {
     let here = folder(&[]);
-    let output = program(&here, "compile --all --for vega10,unheard --csv a.csv").output().unwrap();
+    let output = program(&here, "compile --all --for vega10 --csv a.csv").output().unwrap();
     let (out, err) = said_by(&output);
     if err.contains("there is no RADV") {
         println!("not tested: RADV is not installed");
         return;
     }
-    assert!(err.contains("unheard: ") && err.contains("a compiler failed"), "{err}");
+    assert!(output.status.success(), "{out}{err}");
     let count = out.lines().find_map(|line| line.split_once(" pipelines of ")).unwrap();
     let kernels: Vec<&str> = count.1.split(' ').collect();
     assert!(count.0.parse::<usize>().unwrap() > 200 && kernels[0] == kernels[2], "{out}");
