@@ -70,11 +70,15 @@ fn a_spill_is_found_without_the_gpu() {
     wrong_calls_are_refused(&here);
     // A compiler that takes too long over a kernel: minutes over this table.
     std::fs::write(here.path().join("long.comp"), text.replace("999", "200000000")).unwrap();
-    let long = format!("{line} navi21 --timeout 6 --replace transport/blocks/push=long.comp");
-    let output = program(&here, &long).output().unwrap();
-    let (_, err) = said_by(&output);
     let module = "compile-navi21-transport-blocks-push.spv";
-    assert!(output.status.code() == Some(1) && err.contains(&format!("its module is {module}")), "{err}");
+    // On a machine that is busy it may not come as far as this kernel in a few seconds.
+    let ends = |seconds: u32| {
+        let long = format!("{line} navi21 --timeout {seconds} --replace transport/blocks/push=long.comp");
+        let output = program(&here, &long).output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        said_by(&output).1.contains(&format!("its module is {module}"))
+    };
+    assert!([6, 12, 24].into_iter().any(ends), "no time was enough");
     let words = std::fs::read(here.path().join(module)).unwrap();
     assert_eq!(words[..4], 0x0723_0203_u32.to_le_bytes());
 }
