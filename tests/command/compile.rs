@@ -19,6 +19,17 @@ fn wrong_calls_are_refused(here: &tempfile::TempDir) {
     }
 }
 
+/// Compares with a baseline `a.csv` that may not be written.
+fn a_protected_baseline_is_read(here: &tempfile::TempDir) {
+    let path = here.path().join("a.csv");
+    let before = std::fs::metadata(&path).unwrap().permissions();
+    let mut protected = before.clone();
+    protected.set_readonly(true);
+    std::fs::set_permissions(&path, protected).unwrap();
+    good(here, "compile sphere --set object.0.detail=2 --for navi21 --baseline a.csv");
+    std::fs::set_permissions(path, before).unwrap();
+}
+
 #[test]
 fn a_spill_is_found_without_the_gpu() {
     let here = folder(&[]);
@@ -46,6 +57,7 @@ fn a_spill_is_found_without_the_gpu() {
     assert!(rows.starts_with("compiler,kernel,constants,statistic,value\n"), "{rows}");
     let (again, _) = good(&here, &format!("{line} navi21,vega10 --csv b.csv --baseline a.csv"));
     assert!(rows == read(&here, "b.csv") && again.contains("transport/blocks/push"), "{again}");
+    a_protected_baseline_is_read(&here);
     // A table of its own for each invocation, too large for registers.
     planted(&here, "spill.comp", "max(sum + held(sum), vec3(0))");
     let text = read(&here, "spill.comp").replacen(

@@ -62,12 +62,17 @@ mod rare {
     #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
     fn a_page_that_needs_nothing_else() {
         let here = folder(&[]);
-        let (out, err) = good(&here, "report -o r --quick --only devices,plan,layers");
+        let (out, err) = good(&here, "report -o r --quick --only devices,plan,compile,layers");
         assert_eq!(out.trim(), "r/index.html");
-        assert!(["1/3 devices", "2/3 plan", "3/3 layers"].iter().all(|section| err.contains(section)), "{err}");
+        assert!(
+            ["1/4 devices", "2/4 plan", "3/4 compile", "4/4 layers"].iter().all(|section| err.contains(section)),
+            "{err}"
+        );
         let page = read(&here, "r/index.html");
         assert_eq!(unbalanced(&page), Vec::<String>::new());
-        for name in ["devices", "plan", "layers"] {
+        // Where RADV is not installed, the section says so.
+        assert!(page.contains("navi21: Null hardware") || page.contains("navi21 is not shown: "));
+        for name in ["devices", "plan", "compile", "layers"] {
             assert!(page.contains(&format!("<section id=\"{name}\">")), "{name}");
         }
         assert!(!page.contains("id=\"stress\""), "only what was asked for");

@@ -31,11 +31,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.child {
         return child::compile(arguments);
     }
-    ready([
-        ("--baseline", arguments.baseline.as_ref().filter(|path| path.is_file())),
-        ("--csv", arguments.csv.as_ref()),
-        ("--json", arguments.json.as_ref()),
-    ])?;
+    ready([("--csv", arguments.csv.as_ref()), ("--json", arguments.json.as_ref())])?;
+    keep_baseline(arguments)?;
     let known = arguments.baseline.as_deref().map(file::read).transpose()?;
     let families = arguments.families()?;
     if let Some(folder) = &arguments.isa {
@@ -71,6 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.json {
         write(path, file::json(&sheets)?)?;
     }
+    failed.iter().for_each(|line| tell!("{line}"));
     let worse = match (&known, &arguments.baseline) {
         (Some(known), Some(path)) => {
             sheet::unknown(known, &sheets, path)?.iter().for_each(|line| tell!("{line}"));
@@ -78,13 +76,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         _ => Vec::new(),
     };
-    worse.iter().chain(&failed).for_each(|line| tell!("{line}"));
+    worse.iter().for_each(|line| tell!("{line}"));
     match (failed.len(), worse.len()) {
         (0, 0) => Ok(()),
         (0, count) => Err(Error::Check(format!("{count} values are worse than those of the baseline"))),
         (1, _) => Err(Error::Check("a compiler failed".into())),
         (count, _) => Err(Error::Check(format!("{count} compilers failed"))),
     }
+}
+
+/// Fails if a file to be written is the baseline, which may be write-protected.
+fn keep_baseline(arguments: &Arguments) -> Result<()> {
+    let place = |path: &Option<PathBuf>| path.as_ref().and_then(|path| path.canonicalize().ok());
+    let Some(baseline) = place(&arguments.baseline) else { return Ok(()) };
+    for (key, path) in [("--csv", &arguments.csv), ("--json", &arguments.json)] {
+        if place(path).as_ref() == Some(&baseline) {
+            let fault = Input::new("the same file as --baseline").key(key).found(baseline.display());
+            return Err(fault.expected("another file").into());
+        }
+    }
+    Ok(())
 }
 
 /// Makes a folder of `--isa`.

@@ -6,8 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::arguments::Arguments;
 use milkglass::error::{Input, Result};
-use milkglass::internals::gpu::{constants, kernel_names};
+use milkglass::internals::gpu::kernel_names;
 use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::requirements::KernelRequirements;
 use milkglass::internals::session::run::Session;
 use milkglass::internals::state::{Width, dispatches};
 use milkglass::measure::fixtures::{EVERY_KERNEL, made};
@@ -26,9 +27,8 @@ pub(super) struct Wanted {
 impl Wanted {
     /// The pipeline of a kernel with these constants.
     fn of(kernel: &str, values: &[u32]) -> Result<Self> {
-        let named = constants(kernel)?.into_iter().zip(values);
-        let constants = named.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ");
-        Ok(Self { kernel: kernel.to_string(), values: values.to_vec(), constants })
+        let required = KernelRequirements { name: kernel.to_string(), constants: values.to_vec(), dispatches: 1 };
+        Ok(Self { constants: required.specialized()?, kernel: required.name, values: required.constants })
     }
 }
 
