@@ -1,9 +1,9 @@
 // A prefix sum by one work group. Each invocation owns a run of the elements and contributes its sum. The includer
 // defines SUM, the type of the elements: integers, so that the order of additions does not matter.
-const uint SCAN_SIZE = 256;
-layout(local_size_x = SCAN_SIZE) in;
+layout(constant_id = WIDE_ID) const uint SCAN_SIZE = 256; // its invocations: a power of two
+layout(local_size_x = 256, local_size_x_id = WIDE_ID) in;
 
-shared SUM sums[SCAN_SIZE];
+shared SUM sums[MOST_WIDE];
 
 // This invocation's run among `count` elements: the first, and the one after the last.
 uvec2 own_run(uint count) {

@@ -8,7 +8,8 @@
 const uint TEAM_GROUP = GROUP_SIZE;
 layout(local_size_x = TEAM_GROUP) in;
 layout(constant_id = 0) const uint OTHERS = 0; // not 0 where an object does not shadow itself
-layout(constant_id = 1) const uint TEAM = 8; // rays that go together; 1: each goes alone
+layout(constant_id = 1) const uint TEAM = 8; // invocations of a team; 1: each ray goes alone
+layout(constant_id = 2) const uint SPREAD = 0; // not 0 where a team shares one ray: then it has no shaft, only that ray
 layout(push_constant, scalar) uniform push_block { Rays rays; };
 READS(object_params)
 READS(lights)
@@ -31,6 +32,32 @@ Nearest shaft_end;
 
 bool in_shaft(vec3 low, vec3 high) {
     return meets(low - shaft_size, high + shaft_size, shaft_middle, shaft_axis, shaft_end);
+}
+
+// What a ray meets that the whole team shares: each invocation tests another triangle.
+uint spread(Ask ask) {
+    Place self = place_in_team();
+    shaft_middle = ask.origin;
+    shaft_size = vec3(0);
+    shaft_axis = sight(ask.direction);
+    shaft_end = light_of(shaft_axis, ask.far);
+    bool free = ask.wanted;
+    Waiting way = Waiting(0, free ? object_params[0].wide_tops : 0, 0);
+    while (waits(way)) {
+        uint count = list_triangles(self, way), hit = 0;
+        for (uint at = self.mine; at < count; at += TEAM) {
+            uint face = pool[self.list + at];
+            uvec3 corner = triangles[face];
+            vec3 a = placed_positions[corner.x], b = placed_positions[corner.y], c = placed_positions[corner.z];
+            if (passes(ask, shaft_axis, a, b, c) && blocks(ask, face, a, b, c)) hit = 1;
+        }
+        if (joined(hit) != 0) {
+            free = false;
+            way = Waiting(0, 0, 0);
+        }
+        exchange_in_subgroup();
+    }
+    return !free ? BLOCKED : waits(way) ? UNFINISHED : FREE;
 }
 
 // FREE, BLOCKED, or UNFINISHED for a ray that has to go alone.
@@ -77,15 +104,15 @@ uint together(Ask ask) {
 
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint k = group * TEAM_GROUP + lane();
+    uint place = group * TEAM_GROUP + lane(), k = SPREAD != 0 ? place / TEAM : place;
     // All invocations of a team stay: past the end they have no ray.
     bool there = k < rays.count;
     uint face = rays.first + min(k, rays.count - 1);
     Light light = lights[rays.light];
     vec3 origin = placed(rays.object, clusters[object_params[rays.object].first_node + leaves[face]].center);
     Ask ask = way(light, rays.object, face, origin, there, OTHERS != 0);
-    uint met = in_teams() ? together(ask) : UNFINISHED;
-    if (!there) return;
+    uint met = !in_teams() ? UNFINISHED : SPREAD != 0 ? spread(ask) : together(ask);
+    if (!there || (SPREAD != 0 && place % TEAM != 0)) return;
     if (met == UNFINISHED) met = occlusion(ask);
     if (met == UNFINISHED) cut_short[0] = 1;
 

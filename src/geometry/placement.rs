@@ -17,6 +17,7 @@ pub static STAGE: Stage = Stage {
     about: "vertices, normals and boxes of moved objects, in the scene",
     equation: "x' = R x + t",
     writes: &[
+        (BufferId::arrivals, Role::Update, Tolerance::Exact),
         (BufferId::placed_positions, Role::Update, Tolerance::Exact),
         (BufferId::placed_normals, Role::Output, Tolerance::Exact),
         (BufferId::placed_bounds, Role::Output, Tolerance::Exact),

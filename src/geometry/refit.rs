@@ -44,6 +44,7 @@ pub static STAGE: Stage = Stage {
     about: "boxes, centroids, vector areas and second moments of faces and clusters; vertex normals",
     equation: "Mertens et al. 2003, section 5.1.1: A' is the length of the vector area",
     writes: &[
+        (BufferId::arrivals, Role::Update, Tolerance::Exact),
         (BufferId::bounds, Role::Output, Tolerance::Exact),
         (BufferId::clusters, Role::Output, Tolerance::Rounded(CLUSTER, &IN_CLUSTERS)),
         (BufferId::receiver_positions, Role::Output, Tolerance::Float { relative: 0.0, floor: 4e-6 }),

@@ -87,6 +87,8 @@ pub struct Choices {
     /// The byte that fills the buffers of a scene at first: 0, so that what no kernel writes can be compared; 0xff, so
     /// that whatever reads it fails. Without one they hold what the driver left there.
     pub fill: Option<u8>,
+    /// Whether a frame's times are those of its kernels' dispatches, not of its steps.
+    pub by_kernel: bool,
 }
 
 choice!(

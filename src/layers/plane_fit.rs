@@ -22,6 +22,7 @@ pub static STAGE: Stage = Stage {
     about: "plane that fits the surface around each vertex of an object with layers",
     equation: "Francois et al. 2006, equations 7, 8, 14",
     writes: &[
+        (BufferId::arrivals, Role::Update, Tolerance::Exact),
         (BufferId::vertex_moments, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),
         (BufferId::planes, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-4 }),
         (BufferId::cut_short, Role::Update, Tolerance::Exact),

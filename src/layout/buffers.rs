@@ -66,6 +66,8 @@ buffers! {
     topology: Topology, node;
     /// The leaf node of each triangle.
     leaves: u32, face;
+    /// Marks of the clusters that have one child done, while invocations climb from all triangles; 0 before and after.
+    arrivals: u32, node;
     /// All nodes, sorted by chunk and level, clusters before triangles, by index.
     order: u32, node;
     /// Bounding boxes in the object's own frame, and the order in which rays visit the trees of all objects.
@@ -137,7 +139,8 @@ buffers! {
     runs: Runs, batch;
     /// The blocks of a batch that take area points or the edge form, by their place in the batch.
     near: u32, batch;
-    /// Groups to dispatch for them, then their number; a part is 64 elements for the sake of its offset.
+    /// Groups to dispatch for them: of 64 receivers each, then of a block each; then their number. A part is 64 elements
+    /// for the sake of its offset.
     near_groups: [u32; 3], batch;
     /// The first LINK_KEPT - 1 emitters that each block of a batch lists, in the order of its walk, and behind them the
     /// last node that it visited: nodes, and how each is taken.

@@ -26,6 +26,12 @@ constants! {
     /// The specialization constant that says how many invocations share a receiver: 1, or a group's over
     /// [`BLOCK_RECEIVERS`].
     TEAMS_ID: u32 = 103;
+    /// The specialization constant that says how many invocations the group has that goes through all elements alone.
+    WIDE_ID: u32 = 104;
+    /// At most so many; they share 12 bytes each, and every device has 16 KiB.
+    MOST_WIDE: u32 = 1024;
+    /// The specialization constant that is not 0 where one dispatch goes through all levels of a tree.
+    CLIMBS_ID: u32 = 105;
     /// Work groups in a row of a dispatch; more need a second dimension.
     GROUPS_A_ROW: u32 = 32_768;
 
@@ -120,8 +126,6 @@ constants! {
     LINK_KEPT: usize = 256;
     /// Lowest bit of a decision's kind; its node is below.
     LINK_SHIFT: u32 = 28;
-    /// Upper levels of a tree that one group takes at most.
-    TOP_LEVELS: usize = 12;
     /// Links of one receiver at most, and emitters that it hands down: more would be more than lavapipe's loops take.
     MOST_PAIRS: usize = 65_000;
     /// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.

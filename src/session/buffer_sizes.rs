@@ -8,8 +8,10 @@ use crate::pipeline::plan::{Plan, ShadingMethod};
 use crate::state::State;
 use crate::transport::octree::HOST;
 
-/// Buffers that stages may leave as they are and the host reads for every object, though not every object has lists.
-const STANDING: [BufferId; 4] = [BufferId::cut_short, BufferId::counters, BufferId::stale, BufferId::stale_counts];
+/// Buffers that stages may leave as they are and the host or kernels read for every object, though not every object has
+/// lists.
+const STANDING: [BufferId; 5] =
+    [BufferId::arrivals, BufferId::cut_short, BufferId::counters, BufferId::stale, BufferId::stale_counts];
 
 impl Session {
     /// Gives every buffer its size and uploads the inputs.

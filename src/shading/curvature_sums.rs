@@ -22,7 +22,10 @@ pub static STAGE: Stage = Stage {
     name: "curvature_sums",
     about: "integrals of mean and Gaussian curvature over every cluster",
     equation: "Cohen-Steiner and Morvan 2003, section 4: curvature measures",
-    writes: &[(BufferId::curvature_sums, Role::Output, Tolerance::Fields(FIELDS))],
+    writes: &[
+        (BufferId::arrivals, Role::Update, Tolerance::Exact),
+        (BufferId::curvature_sums, Role::Output, Tolerance::Fields(FIELDS)),
+    ],
     reason: "sums climb some 40 levels of f32 rounding, and parts of either sign cancel",
     granularity: Granularity::Object,
     skip: rough,

@@ -154,7 +154,7 @@ impl DeviceState {
         let bindings: Vec<Binding<'_>> = self.bound(&kernel, state, call.at).map(|(_, binding)| binding).collect();
         let work = match call.groups {
             Groups::Invocations(count) => Work::Invocations(count as u64),
-            Groups::Counted { slot, element } => match self.counted(state, call.at, (slot, element)) {
+            Groups::Counted { slot, element } => match self.counted(state, call.at, &kernel, (slot, element)) {
                 Some(BufferRange { buffer, offset, .. }) => Work::Groups { buffer, offset },
                 None => return Ok(()),
             },
@@ -186,13 +186,16 @@ impl DeviceState {
         })
     }
 
-    /// Where the three numbers of an indirect dispatch are.
+    /// Where the three numbers of an indirect dispatch are: in the next element for a kernel whose groups have a block
+    /// each.
     pub(super) fn counted(
         &self,
         state: &State,
         at: Scope,
+        kernel: &Kernel,
         (id, element): (BufferId, usize),
     ) -> Option<BufferRange<'_>> {
+        let element = element + usize::from(kernel.lanes() > 1);
         let offset = ((state.part(id, at).0 + element) * id.spec().stride) as u64;
         Some(BufferRange { buffer: self.buffers.get(&id)?, offset, size: 12 })
     }

@@ -5,10 +5,7 @@ use super::trace::{Trace, Traced, Way};
 use super::{Object, Scope, State, Step};
 use crate::error::Result;
 use crate::gpu::{Access, Device, Recorder, Timing, accesses};
-use crate::layout::{BUFFER_IDS, BufferId, Range, TOP_LEVELS};
-
-/// The most clusters of a level from which one group takes all levels up to the root.
-const TOP_LEVEL: usize = 256;
+use crate::layout::{BUFFER_IDS, BufferId, Range};
 
 /// What a stage records its dispatches with.
 pub struct Pass<'a> {
@@ -93,17 +90,17 @@ fn in_order(level: std::ops::Range<u32>) -> Range {
 pub struct Width {
     /// Invocations of a subgroup.
     pub subgroup: usize,
-    /// Whether it is a processor, of which an invocation is a lane of a vector.
-    pub processor: bool,
+    /// Whether invocations share items: not on a processor, of which an invocation is a lane of a vector.
+    pub shares: bool,
 }
 
 impl Width {
     /// The width of a GPU, where there is no device to ask.
-    pub const GPU: Self = Self { subgroup: 32, processor: false };
+    pub const GPU: Self = Self { subgroup: 32, shares: true };
 
     /// The width of this device.
     pub fn of(device: &Device) -> Self {
-        Self { subgroup: device.limits().subgroup_size.max(1) as usize, processor: device.adapter().kind == "cpu" }
+        Self { subgroup: device.limits().subgroup_size.max(1) as usize, shares: device.lanes() > 1 }
     }
 }
 
@@ -143,15 +140,28 @@ impl DeviceState {
 
     /// Records and submits these steps as one frame; returns the time of each.
     pub fn run(&self, state: &State, steps: &[Step]) -> Result<Vec<Timing>> {
-        let mut recorder = Recorder::new(self.device(), steps.len())?;
+        let by_kernel = self.device().choices().by_kernel;
+        let parts = if by_kernel { self.count(state, steps)? } else { steps.len() };
+        let mut recorder = Recorder::new(self.device(), parts)?;
         for step in steps {
-            recorder
-                .part(step.stage.name, |recorder| (step.stage.gpu)(&mut Pass::record(state, *step, self, recorder)))?;
+            let list = |recorder: &mut Recorder| (step.stage.gpu)(&mut Pass::record(state, *step, self, recorder));
+            if by_kernel { list(&mut recorder)? } else { recorder.part(step.stage.name, list)? }
         }
         self.execution().list(&mut recorder)?;
         let times = recorder.submit_again(self.recordings())?;
         self.execution().verify("running a frame")?;
         Ok(times)
+    }
+
+    /// How many dispatches these steps have.
+    fn count(&self, state: &State, steps: &[Step]) -> Result<usize> {
+        let mut seen = 0;
+        for step in steps {
+            let mut recorder = Recorder::new(self.device(), 0)?;
+            let sink = Sink::Part(self, &mut recorder, OneOf { index: usize::MAX, seen: &mut seen });
+            (step.stage.gpu)(&mut Pass { state, at: step.at, step: *step, sink })?;
+        }
+        Ok(seen)
     }
 
     /// Records and submits one dispatch of a step; returns its time, and whether there are more after it.
@@ -201,7 +211,7 @@ impl<'s> Pass<'s> {
     }
 
     /// Runs kernel `part` indirectly, for as many work groups as this element of the buffer's part says (three
-    /// numbers, written by an earlier dispatch).
+    /// numbers, written by an earlier dispatch), or the next element, if the kernel's groups have a block each.
     pub fn dispatch_counted(
         &mut self,
         part: &str,
@@ -213,15 +223,15 @@ impl<'s> Pass<'s> {
     }
 
     fn submit(&mut self, part: Option<&str>, constants: &[u32], push: &[u8], groups: Groups) -> Result<()> {
-        let (module, stage) = (self.step.stage.module, self.step.stage.name);
-        let kernel = match part {
-            Some(part) => format!("{module}/{stage}/{part}"),
-            None => format!("{module}/{stage}"),
-        };
+        let (kernel, stage) = (self.kernel(part), self.step.stage.name);
         match &mut self.sink {
             Sink::Device(device_state, recorder) => {
-                let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
-                device_state.submit(recorder, self.state, &call)?;
+                let (state, call) = (self.state, Call { kernel: &kernel, constants, push, at: self.at, groups });
+                if device_state.device().choices().by_kernel {
+                    recorder.part(&kernel, |recorder| device_state.submit(recorder, state, &call))?;
+                } else {
+                    device_state.submit(recorder, state, &call)?;
+                }
             }
             Sink::Part(device_state, recorder, part) => {
                 let here = part.index == *part.seen;
@@ -248,22 +258,36 @@ impl<'s> Pass<'s> {
         Ok(())
     }
 
-    /// Runs the stage's kernel `part` once per level of the tree, children always before their parents.
+    /// Runs the stage's kernel `part` for all clusters, children always before their parents: a dispatch for each level,
+    /// or one for all where the kernel can and many invocations run at once.
     pub fn climb(&mut self, part: &str, constants: &[u32]) -> Result<()> {
+        if self.climbs(part, constants)? {
+            let faces = self.object().count.faces;
+            let range = Range { first: 0, count: faces as u32 };
+            return self.dispatch(Some(part), constants, bytemuck::bytes_of(&range), faces);
+        }
         let levels = self.object().schedule.upward().map(in_order).collect::<Vec<_>>();
         levels.iter().try_for_each(|level| self.dispatch_level(part, constants, level))
     }
 
-    /// The same, with the stage's kernel `top` for the levels at the root that have few clusters each.
-    pub fn climb_to_top(&mut self, part: &str, top: &str, constants: &[u32]) -> Result<()> {
-        let levels: Vec<Range> = self.object().schedule.upward().map(in_order).collect();
-        let few = levels.iter().rev().take(TOP_LEVELS).take_while(|level| level.count as usize <= TOP_LEVEL);
-        let (single, upper) = levels.split_at(levels.len() - few.count());
-        single.iter().try_for_each(|level| self.dispatch_level(part, constants, level))?;
-        let mut listed = [Range { first: 0, count: 0 }; TOP_LEVELS];
-        listed[..upper.len()].copy_from_slice(upper);
-        let push = [bytemuck::bytes_of(&(upper.len() as u32)), bytemuck::cast_slice(&listed)].concat();
-        self.dispatch(Some(top), constants, &push, usize::from(!upper.is_empty()))
+    /// Whether this kernel goes through all levels at once.
+    fn climbs(&self, part: &str, constants: &[u32]) -> Result<bool> {
+        match &self.sink {
+            Sink::Device(device_state, _) | Sink::Part(device_state, ..) | Sink::Trace(device_state, ..) => {
+                let kernel = device_state.kernels().get(&self.kernel(Some(part)), constants)?;
+                Ok(kernel.lanes() > 1)
+            }
+            Sink::List(width, _) => Ok(width.shares),
+        }
+    }
+
+    /// The name of the stage's only kernel, or of its kernel `part`.
+    fn kernel(&self, part: Option<&str>) -> String {
+        let (module, stage) = (self.step.stage.module, self.step.stage.name);
+        match part {
+            Some(part) => format!("{module}/{stage}/{part}"),
+            None => format!("{module}/{stage}"),
+        }
     }
 
     fn dispatch_level(&mut self, part: &str, constants: &[u32], level: &Range) -> Result<()> {

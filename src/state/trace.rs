@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::State;
 use super::device::{Call, DeviceState, Groups};
-use super::{Scope, State};
 use crate::error::Result;
 use crate::gpu::{BufferRange, Recorder, Work, download};
 use crate::layout::BufferId;
@@ -72,7 +72,10 @@ impl DeviceState {
         let bound: Vec<_> = self.bound(&kernel, state, call.at).collect();
         let groups = match call.groups {
             Groups::Invocations(count) => kernel.grid(count as u64),
-            Groups::Counted { slot, element } => self.read_groups(state, call.at, (slot, element), way)?,
+            Groups::Counted { slot, element } => {
+                let range = self.counted(state, call.at, &kernel, (slot, element));
+                range.map_or(Ok([0; 3]), |range| self.read_groups((slot, range), way))?
+            }
         };
         if groups.contains(&0) {
             return Ok(());
@@ -122,15 +125,8 @@ impl DeviceState {
         Ok(())
     }
 
-    /// The groups of an indirect dispatch that this element counts; none where it has no part of that buffer.
-    fn read_groups(
-        &self,
-        state: &State,
-        at: Scope,
-        (slot, element): (BufferId, usize),
-        way: &Way<'_>,
-    ) -> Result<[u32; 3]> {
-        let Some(range) = self.counted(state, at, (slot, element)) else { return Ok([0; 3]) };
+    /// The groups of an indirect dispatch that this part of a buffer counts.
+    fn read_groups(&self, (slot, range): (BufferId, BufferRange<'_>), way: &Way<'_>) -> Result<[u32; 3]> {
         Ok(match way {
             Way::Run(_) => bytemuck::pod_read_unaligned(&self.read(range)?),
             Way::List(after) => {

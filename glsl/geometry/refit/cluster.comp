@@ -1,24 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
-// A cluster's box, centroid, vector area and second moment, from its two children; one level a dispatch.
-layout(push_constant, scalar) uniform push_block { Range range; };
+// A cluster's box, centroid, vector area and second moment, from its two children.
 READS(object_params)
 READS(topology)
-READS(order)
-UPDATES(bounds)
-UPDATES(clusters)
+SHARES(bounds)
+SHARES(clusters)
+#include "climb.glsl"
 #include "geometry/refit/way.glsl"
 
 // `part` / `whole`, or one half if `whole` is 0: triangles may vanish in single precision.
 float share(float part, float whole) { return whole > 0.0 ? part / whole : 0.5; }
 
-void main() {
-    uint i = invocation();
-    if (i >= range.count) return;
-    uint node = order[range.first + i];
+void of_cluster(uint node) {
     uint left = node + 1, right = topology[left].skip;
     vec3 low = min(bounds[left].low, bounds[right].low), high = max(bounds[left].high, bounds[right].high);
     bounds[node] = Bounds(low, next_of(topology[node].skip), high, NONE);

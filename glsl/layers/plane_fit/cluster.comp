@@ -1,18 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
-// The moments of a cluster's vertices from its two children's; one level a dispatch.
-layout(push_constant, scalar) uniform push_block { Range range; };
+// The moments of a cluster's vertices from its two children's.
 READS(topology)
-READS(order)
-UPDATES(vertex_moments)
+SHARES(vertex_moments)
+#include "climb.glsl"
 #include "layers/vertex_moments.glsl"
 
-void main() {
-    uint i = invocation();
-    if (i >= range.count) return;
-    uint node = order[range.first + i];
+void of_cluster(uint node) {
     vertex_moments[node] = joined(vertex_moments[node + 1], vertex_moments[topology[node + 1].skip]);
 }

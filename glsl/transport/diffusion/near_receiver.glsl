@@ -1,19 +1,8 @@
-// One invocation for each receiver of the blocks that have near triangles; the includer reads the buffers named here.
-// `slot` is the block's place among them.
-Receiver near_receiver(out Runs run, out uint slot) {
-    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint place = group * gl_WorkGroupSize.x + gl_LocalInvocationIndex, blocks_near = near_groups[1].x;
-    uint run_near = place / BLOCK_RECEIVERS;
-    slot = min(run_near, blocks_near - 1);
-    Receiver self = receiver_of(near[slot], place, run_near < blocks_near);
-    run = runs[self.run];
-    return self;
-}
-
-Receiver near_receiver(out Runs run) {
-    uint slot;
-    return near_receiver(run, slot);
-}
+// Near triangles, of which each block keeps the layers of KEPT; the includer reads the buffers named in `near.glsl`.
+#ifndef ERRORS
+#define ERRORS false
+#endif
+#include "transport/blocks/gather/near.glsl"
 
 // How many of a block's near triangles have kept layers: the last ones in its list.
 uint kept_of(Runs run) { return min(KEPT, run.area + run.edge); }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::gate::Gate;
 use crate::cli::SceneArguments;
@@ -12,7 +12,7 @@ use crate::cli::run_args::OptionArguments;
 use crate::cli::timing::{MOST, TimingArguments};
 use crate::cli::validation;
 use milkglass::error::{Input, Result};
-use milkglass::internals::gpu::Device;
+use milkglass::internals::gpu::{Choices, Device};
 use milkglass::measure::profile::Settings;
 use milkglass::measure::profile::file::{SCHEMA, Saved, Subject};
 use milkglass::measure::rounds::{ROUNDS, Samples};
@@ -58,11 +58,23 @@ pub struct Arguments {
     /// dispatches, barriers and submissions cost, how long pipelines took to compile.
     #[arg(long, conflicts_with_all = ["against", "compare"])]
     pub(super) why: bool,
+    /// Time stages, or each kernel by itself.
+    #[arg(long, value_enum, default_value_t = By::Stage, conflicts_with_all = ["against", "compare", "replace", "why"])]
+    by: By,
     #[command(flatten)]
     pub(super) gate: Gate,
     /// Run frames as standard input asks for them.
     #[arg(long, hide = true)]
     pub(super) serve: bool,
+}
+
+/// What has times of its own.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum By {
+    /// Stages.
+    Stage,
+    /// Kernels, all dispatches of a frame together.
+    Kernel,
 }
 
 impl Arguments {
@@ -106,6 +118,7 @@ impl Arguments {
             ("--csv", self.csv.is_some()),
             ("--trace", self.trace.is_some()),
             ("--why", self.why),
+            ("--by kernel", self.by == By::Kernel),
             ("--replace", !self.replace.pairs().is_empty()),
             ("--compare", !self.compare.is_empty()),
             ("--against", self.against.is_some()),
@@ -137,6 +150,16 @@ impl Arguments {
     /// Opens a device; `None` is the CPU.
     pub(super) fn open(&self, name: Option<&String>) -> Result<Option<Device>> {
         let device = DeviceArgument::named(name.cloned()).open(validation())?;
+        let device = match (device, self.by) {
+            (Some(device), By::Kernel) => {
+                Some(device.opened_as(&Choices { by_kernel: true, ..device.choices().clone() })?)
+            }
+            (None, By::Kernel) => {
+                let fault = Input::new("times kernels of a Vulkan device").key("--by kernel").found("the CPU");
+                return Err(fault.expected("a device that `milkglass devices` lists").into());
+            }
+            (device, By::Stage) => device,
+        };
         // A profile tells how long a stage's first run takes, so nothing is compiled ahead.
         device.iter().for_each(|device| device.compile_ahead(false));
         Ok(device)

@@ -214,7 +214,7 @@ fn works(
         }
     }
     let (mut text, mut all, mut failures) = (String::new(), Vec::new(), Vec::new());
-    let names: BTreeSet<&str> = counted.iter().flat_map(|stages| stages.keys().copied()).collect();
+    let names: BTreeSet<&str> = counted.iter().flat_map(|stages| stages.keys().map(String::as_str)).collect();
     for stage in names {
         let [before, after] = [0, 1].map(|k| counted[k].get(stage).copied().unwrap_or_default());
         if edited.iter().any(|name| name == stage) || before != after {

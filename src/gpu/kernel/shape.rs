@@ -5,32 +5,47 @@ use super::Kernel;
 use crate::error::Result;
 use crate::gpu::logical_device::LogicalDevice;
 use crate::gpu::reflect::{Reflected, reflect};
-use crate::layout::{BLOCK_RECEIVERS, GROUP_ID, LANES_ID, MOST_LANES, TEAMS_ID};
+use crate::layout::{
+    BLOCK_RECEIVERS, CLIMBS_ID, GROUP_ID, GROUP_SIZE, LANES_ID, MOST_LANES, MOST_WIDE, TEAMS_ID, WIDE_ID,
+};
 
 /// Groups of a kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in super::super) struct Shape {
     /// Invocations of a group, where they are set.
     pub(in super::super) group: Option<u32>,
-    /// How many invocations share an item, and the constant that tells the kernel.
+    /// The constant that tells the kernel how invocations share items, and how many have one item.
     shared: Option<(u32, u32)>,
+    /// Whether each item has a whole group, however large that is.
+    whole: bool,
 }
 
 impl Shape {
     /// The shape of this kernel on a device. Where a size is chosen for its groups, no item is shared.
     pub(in super::super) fn of(device: &LogicalDevice, name: &str, found: &Reflected) -> Self {
         match device.choices().group(name).filter(|_| found.constants.contains_key(&GROUP_ID)) {
-            Some(size) => Self { group: Some(size), shared: None },
-            None => Self::with_lanes(device.lanes(), found),
+            Some(size) => Self { group: Some(size), ..Self::default() },
+            None if found.constants.contains_key(&WIDE_ID) => Self::with_lanes(device.widest(), found),
+            // llvmpipe of Mesa 22.3 loses some of the invocations that climb.
+            None if found.constants.contains_key(&CLIMBS_ID) && device.adapter().is_llvmpipe() => Self::default(),
+            None => Self::with_lanes(device.lanes().min(most_lanes(name)), found),
         }
     }
 
-    /// The shape where as many invocations share an item, if the kernel lets them; a user's may not.
+    /// The shape where as many invocations share an item, if the kernel lets them; a user's may not. Groups that
+    /// another kernel counts keep their size.
     pub(in super::super) fn with_lanes(lanes: u32, found: &Reflected) -> Self {
-        let has = |id: &u32| found.constants.contains_key(id);
-        let an_item = |id: u32| if id == TEAMS_ID { lanes / BLOCK_RECEIVERS as u32 } else { lanes };
-        let shared = [LANES_ID, TEAMS_ID].into_iter().find(|id| lanes > 1 && has(&GROUP_ID) && has(id));
-        Self { group: shared.map(|_| lanes), shared: shared.map(|id| (id, an_item(id))) }
+        let has = |id: u32| found.constants.contains_key(&id);
+        let whole = has(WIDE_ID);
+        let teams = |group: u32| Some((group, (TEAMS_ID, group / BLOCK_RECEIVERS as u32)));
+        let shared = match lanes > 1 {
+            true if whole => Some((lanes, (WIDE_ID, lanes))),
+            true if has(TEAMS_ID) => teams(if has(GROUP_ID) { lanes } else { GROUP_SIZE }),
+            true if has(GROUP_ID) && has(LANES_ID) => Some((lanes, (LANES_ID, lanes))),
+            true if has(GROUP_ID) && has(CLIMBS_ID) => Some((GROUP_SIZE, (CLIMBS_ID, 1))),
+            _ => None,
+        };
+        Self { group: shared.map(|(group, _)| group), shared: shared.map(|(_, constant)| constant), whole }
     }
 
     /// How many invocations share an item, or a block's receivers: those of a group, or 1.
@@ -38,15 +53,21 @@ impl Shape {
         self.shared.and(self.group).unwrap_or(1)
     }
 
-    /// How many invocations an item has.
-    pub(in super::super) fn an_item(&self) -> u32 {
-        self.shared.map_or(1, |(_, count)| count)
+    /// How many invocations an item has, in groups of this size.
+    pub(in super::super) fn an_item(&self, group: u32) -> u32 {
+        if self.whole { group } else { self.shared.map_or(1, |(_, count)| count) }
     }
 
     /// The specialization constants that set it.
     pub(in super::super) fn constants(&self) -> impl Iterator<Item = (u32, u32)> {
         self.group.map(|size| (GROUP_ID, size)).into_iter().chain(self.shared)
     }
+}
+
+/// At most so many invocations share an item of this kernel. A block has some 150 distant emitters, so that more than 32
+/// invocations seldom have one each: 48 us with 128, 35 with 32 (H200, a bunny of 69,451 faces).
+fn most_lanes(name: &str) -> u32 {
+    if name == "transport/blocks/gather/expand" { 32 } else { MOST_LANES }
 }
 
 impl Kernel {
@@ -78,9 +99,16 @@ pub fn set_by_device(name: &str, words: &[u32], lanes: u32) -> Vec<(u32, u32)> {
 impl LogicalDevice {
     /// How many invocations share an item, in kernels that can: 1 on a processor, where an invocation is a lane of a
     /// vector and waits for nothing; elsewhere as many as every device has in a group.
-    fn lanes(&self) -> u32 {
+    pub(crate) fn lanes(&self) -> u32 {
         let adapter = self.adapter();
         let default = if adapter.kind == "cpu" { 1 } else { MOST_LANES };
         self.choices().lanes.unwrap_or(default).min(adapter.limits.group_invocations).min(MOST_LANES)
+    }
+
+    /// How many invocations a group has that goes through all elements alone, where items are shared; else 1, which
+    /// stands for as many as the kernel says.
+    fn widest(&self) -> u32 {
+        let most = self.adapter().limits.group_invocations.min(MOST_WIDE);
+        if self.lanes() > 1 { 1 << most.ilog2() } else { 1 }
     }
 }

@@ -28,6 +28,7 @@ use crate::measure::statistics::Interval;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::Scene;
 use crate::session::run::Session;
+use crate::state::Dispatch;
 use crate::transport::octree::HOST;
 
 /// Settings of a measurement.
@@ -68,9 +69,9 @@ impl Settings {
 /// Measurements of one stage.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Its name.
+    /// Its name; the kernel's, where kernels are timed.
     pub stage: String,
-    /// Steps per frame: one per object, chunk, group or batch.
+    /// Steps per frame, or a kernel's dispatches: one per object, chunk, group or batch.
     pub steps: usize,
     /// Dispatches per frame; 0 on the CPU.
     pub dispatches: usize,
@@ -79,7 +80,8 @@ pub struct Row {
     /// The median of `device`, or on the CPU and without timestamps of `wall`, and its interval of 95 %; `None` where a
     /// stage on a device has no timestamps.
     pub interval: Option<Interval>,
-    /// Milliseconds per frame by the host's clock; on a device, each step is submitted and waited for separately.
+    /// Milliseconds per frame by the host's clock; on a device, each step is submitted and waited for separately. Of a
+    /// kernel, the device's own time.
     pub wall: Quantiles,
     /// Operations and traffic per frame; `None` on the CPU, and if the device rejects the instrumented kernels.
     pub work: Option<Work>,
@@ -237,10 +239,15 @@ fn of_stage(frames: &[Frame], stage: &str) -> Vec<f64> {
 /// The rows of all stages in the order of their first step; `work` is filled in later.
 fn rows(session: &mut Session, frames: &[Frame], samples: &Samples, settings: &Settings) -> Result<Vec<Row>> {
     let on_device = session.device().is_some();
+    let by_kernel = session.device().is_some_and(|device| device.choices().by_kernel);
     let dispatches = if on_device { session.dispatches(settings.change)? } else { Vec::new() };
+    let of = |name: &str| {
+        let named = |dispatch: &&Dispatch| if by_kernel { dispatch.kernel == name } else { dispatch.stage == name };
+        dispatches.iter().filter(named).count()
+    };
     let mut apart: Vec<Frame> = Vec::new();
     // Time half as many frames again, with each step submitted separately.
-    for _ in 0..if on_device { frames.len().div_ceil(2) } else { 0 } {
+    for _ in 0..if on_device && !by_kernel { frames.len().div_ceil(2) } else { 0 } {
         apart.push(Frame { steps: session.apart(settings.change)?, ..Frame::default() });
     }
     let mut rows: Vec<Row> = Vec::new();
@@ -254,10 +261,10 @@ fn rows(session: &mut Session, frames: &[Frame], samples: &Samples, settings: &S
         rows.push(Row {
             stage: time.name.clone(),
             steps: 1,
-            dispatches: dispatches.iter().filter(|dispatch| dispatch.stage == time.name).count(),
+            dispatches: of(&time.name),
             device: (stage && own.median.is_finite()).then_some(own),
             interval: samples.variants.first().and_then(|only| samples.median(only, &time.name)),
-            wall: if stage { Quantiles::of(of_stage(&apart, &time.name)) } else { own },
+            wall: if stage && !by_kernel { Quantiles::of(of_stage(&apart, &time.name)) } else { own },
             work: None,
         });
     }

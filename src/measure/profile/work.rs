@@ -46,7 +46,7 @@ pub struct Work {
 }
 
 /// The work of each stage in a frame of this scene on a device, by a session of its own.
-pub fn work(scene: &Scene, device: &Device, settings: &Settings) -> Result<BTreeMap<&'static str, Work>> {
+pub fn work(scene: &Scene, device: &Device, settings: &Settings) -> Result<BTreeMap<String, Work>> {
     let mut plain = variant(scene, Some(device), settings)?.session;
     of(scene, &device.counting(), settings, &mut plain)
 }
@@ -58,7 +58,7 @@ pub(super) fn of(
     device: &Device,
     settings: &Settings,
     plain: &mut Session,
-) -> Result<BTreeMap<&'static str, Work>> {
+) -> Result<BTreeMap<String, Work>> {
     // Instrumented kernels are slow: the first frame serves as the measured one if the others would be the same.
     let mut session = Session::new(scene, Some(device), settings.options)?;
     session.frame(Change::EVERYTHING)?;
@@ -69,14 +69,14 @@ pub(super) fn of(
     }
     same_work(&mut session, plain)?;
     let bound = bound(&session, settings)?;
-    let mut stages: BTreeMap<&'static str, Work> = BTreeMap::new();
+    let mut stages: BTreeMap<String, Work> = BTreeMap::new();
     for (stage, tally) in counted {
-        let work = stages.entry(stage).or_default();
+        let work = stages.entry(stage.clone()).or_default();
         (work.invocations, work.flops, work.roots, work.exps) =
             (tally.invocations, tally.flops, tally.roots, tally.exps);
         for (binding, Traffic { loaded, stored }) in tally.moved {
             let Some(&slot) = BUFFER_IDS.get(binding as usize) else { continue };
-            let most = bound.get(&(stage, slot)).copied().unwrap_or_default();
+            let most = bound.get(&(stage.clone(), slot)).copied().unwrap_or_default();
             work.loaded += loaded;
             work.stored += stored;
             work.read += loaded.min(most);
@@ -102,23 +102,30 @@ fn same_work(counted: &mut Session, plain: &mut Session) -> Result<()> {
     same.map(drop).map_err(|_| Error::device(doing, "kernels that count give other values than those that don't"))
 }
 
+/// Whether kernels are looked at by themselves, and not by stage.
+fn by_kernel(session: &Session) -> bool {
+    session.device().is_some_and(|device| device.choices().by_kernel)
+}
+
 /// Counts of each stage's kernels since the last call.
-fn tallies(session: &Session) -> Result<BTreeMap<&'static str, Tally>> {
-    let mut stages: BTreeMap<&'static str, Tally> = BTreeMap::new();
+fn tallies(session: &Session) -> Result<BTreeMap<String, Tally>> {
+    let mut stages: BTreeMap<String, Tally> = BTreeMap::new();
     for (kernel, tally) in session.tallies()? {
         if let Some(stage) = owner(&kernel) {
-            stages.entry(stage.name).or_default().add(&tally);
+            let name = if by_kernel(session) { kernel } else { stage.name.to_string() };
+            stages.entry(name).or_default().add(&tally);
         }
     }
     Ok(stages)
 }
 
 /// Bytes of each buffer that a stage binds in a frame, overlapping ranges counted once.
-fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(&'static str, BufferId), u64>> {
-    let mut ranges: BTreeMap<(&'static str, BufferId), BTreeSet<[u64; 2]>> = BTreeMap::new();
+fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(String, BufferId), u64>> {
+    let mut ranges: BTreeMap<(String, BufferId), BTreeSet<[u64; 2]>> = BTreeMap::new();
     for dispatch in session.dispatches(settings.change)? {
         for bound in dispatch.bound(session.state())? {
-            ranges.entry((dispatch.stage, bound.slot)).or_default().insert(bound.range);
+            let name = if by_kernel(session) { &dispatch.kernel } else { dispatch.stage };
+            ranges.entry((name.to_string(), bound.slot)).or_default().insert(bound.range);
         }
     }
     Ok(ranges.into_iter().map(|(key, ranges)| (key, union(ranges))).collect())

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use crate::dipole::distance2;
 use crate::error::Result;
 use crate::layout::{
-    BLOCK_CLASSES, BLOCK_RECEIVERS, BufferId, Emitter, GROUP_SIZE, LINK_AREA, LINK_DIRECT, LINK_DROPPED, LINK_EDGE,
-    LINK_EXPANDED, LINK_KEPT, LINK_KINDS, LINK_OPENED, LINK_SHIFT, MOST_DIRECT, Range, Runs, Sphere,
+    BLOCK_CLASSES, BLOCK_RECEIVERS, BufferId, Emitter, GROUP_SIZE, GROUPS_A_ROW, LINK_AREA, LINK_DIRECT, LINK_DROPPED,
+    LINK_EDGE, LINK_EXPANDED, LINK_KEPT, LINK_KINDS, LINK_OPENED, LINK_SHIFT, MOST_DIRECT, Range, Runs, Sphere,
 };
 use crate::state::{Carrier, Granularity, Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
@@ -178,7 +178,13 @@ fn cpu(state: &mut State, at: Scope) {
     }
     let groups = (near * BLOCK_RECEIVERS).div_ceil(GROUP_SIZE as usize) as u32;
     data.near_groups[groups_base] = [groups, 1, 1];
-    data.near_groups[groups_base + 1] = [near as u32, 0, 0];
+    data.near_groups[groups_base + 1] = rows(near as u32);
+    data.near_groups[groups_base + 2] = [near as u32, 0, 0];
+}
+
+/// This many groups, in rows.
+fn rows(count: u32) -> [u32; 3] {
+    [count.min(GROUPS_A_ROW), count.div_ceil(GROUPS_A_ROW), 1]
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

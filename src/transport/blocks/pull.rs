@@ -28,6 +28,7 @@ pub static STAGE: Stage = Stage {
     about: "moments of the light entering every cluster: sum, centroid, second moments; for diffusion, of its area",
     equation: "W = sum A_k E_k, c = sum A_k E_k x_k / W, Q = sum A_k E_k [(x_k-c)(x_k-c)^T + M_k] / W",
     writes: &[
+        (BufferId::arrivals, Role::Update, Tolerance::Exact),
         (BufferId::moments, Role::Output, Tolerance::Fields(MOMENT)),
         (BufferId::second_moments, Role::Output, Tolerance::Fields(SECOND_MOMENTS)),
     ],
@@ -112,5 +113,5 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (lead, order) = (pass.object().groups[pass.at.group].lead, pass.state.moment_order(pass.at));
     let lead = if pass.object().solves() { NONE } else { lead };
     pass.dispatch(Some("leaf"), &[lead], &[], pass.object().count.faces)?;
-    pass.climb_to_top("cluster", "top", &[order])
+    pass.climb("cluster", &[order])
 }

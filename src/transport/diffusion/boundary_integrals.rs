@@ -24,6 +24,7 @@ pub static STAGE: Stage = Stage {
     about: "single and double layer at each triangle, of a vector; first, of the light deposited below the surface",
     equation: "v/2 + int v(y) [g/z_b + dg/dn] dA(y), clusters by w g - U.grad g + Y:grad grad g - (Q,U):grad grad grad g/2",
     writes: &[
+        (BufferId::arrivals, Role::Update, Tolerance::Exact),
         (BufferId::layer_places, Role::Output, Tolerance::Fields(PLACE)),
         (BufferId::layer_firsts, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-4 }),
         (BufferId::layer_squares, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),

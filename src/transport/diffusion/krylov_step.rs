@@ -5,8 +5,7 @@
 
 use crate::error::Result;
 use crate::layout::{
-    BufferId, Buffers, GROUP_SIZE, MOST_STEPS, SMALL_COSINES, SMALL_MATRIX, SMALL_NORMS, SMALL_PRODUCTS, SMALL_RIGHT,
-    SMALL_SINES,
+    BufferId, Buffers, MOST_STEPS, SMALL_COSINES, SMALL_MATRIX, SMALL_NORMS, SMALL_PRODUCTS, SMALL_RIGHT, SMALL_SINES,
 };
 use crate::state::{Granularity, Pass, Role, Scope, Stage, State, Tolerance};
 
@@ -102,18 +101,17 @@ fn rotate(data: &mut Buffers, newest: usize, c: usize, column: &mut [f64], size:
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (newest, faces) = (pass.at.chunk as u32, pass.object().count.faces);
-    let groups = |vectors: u32| vectors as usize * GROUP_SIZE as usize;
     let push = bytemuck::bytes_of(&newest).to_vec();
     if newest > 0 {
         for round in 0..2u32 {
-            pass.dispatch(Some("products"), &[round], bytemuck::bytes_of(&[newest, 0]), groups(newest))?;
+            pass.dispatch(Some("products"), &[round], bytemuck::bytes_of(&[newest, 0]), newest as usize)?;
             pass.dispatch(Some("subtract"), &[], &push, faces)?;
         }
     }
     let warm = pass.state.method.warm;
-    pass.dispatch(Some("products"), &[0], bytemuck::bytes_of(&[newest, newest]), groups(1))?;
+    pass.dispatch(Some("products"), &[0], bytemuck::bytes_of(&[newest, newest]), 1)?;
     if warm && newest == 0 {
-        pass.dispatch(Some("products"), &[0], bytemuck::bytes_of(&[1u32, 1]), groups(1))?;
+        pass.dispatch(Some("products"), &[0], bytemuck::bytes_of(&[1u32, 1]), 1)?;
     }
     pass.dispatch(Some("rotate"), &[u32::from(warm)], &push, 1)?;
     pass.dispatch(Some("scale"), &[], &push, faces)

@@ -90,7 +90,7 @@ fn cpu(state: &mut State, at: Scope) {
         }
         (slot, block.count as usize, layers)
     };
-    let all: Vec<_> = (0..data.near_groups[groups + 1][0] as usize).into_par_iter().map(of_slot).collect();
+    let all: Vec<_> = (0..data.near_groups[groups + 2][0] as usize).into_par_iter().map(of_slot).collect();
     for (slot, count, layers) in all {
         for (i, of_triangle) in layers.chunks(count).enumerate() {
             let first = base + (slot * kept + i) * BLOCK_RECEIVERS;

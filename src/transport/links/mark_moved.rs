@@ -10,7 +10,10 @@ pub static STAGE: Stage = Stage {
     name: "mark_moved",
     about: "clusters with a triangle that has moved since the kept links were made",
     equation: "Mertens et al. 2003, section 5.5",
-    writes: &[(BufferId::change_flags, Role::Output, Tolerance::Exact)],
+    writes: &[
+        (BufferId::arrivals, Role::Update, Tolerance::Exact),
+        (BufferId::change_flags, Role::Output, Tolerance::Exact),
+    ],
     reason: "comparisons of f32 for equality",
     skip: not_incremental,
     runs: Update::updates_links,

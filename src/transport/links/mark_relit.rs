@@ -11,7 +11,10 @@ pub static STAGE: Stage = Stage {
     name: "mark_relit",
     about: "clusters with a triangle whose irradiance has changed since the last sum",
     equation: "Mertens et al. 2003, section 5.5",
-    writes: &[(BufferId::change_flags, Role::Update, Tolerance::Exact)],
+    writes: &[
+        (BufferId::arrivals, Role::Update, Tolerance::Exact),
+        (BufferId::change_flags, Role::Update, Tolerance::Exact),
+    ],
     reason: "comparisons of f32 for equality",
     skip: not_incremental,
     runs: |update| update.updates_links() && !update.sums_all_links(),

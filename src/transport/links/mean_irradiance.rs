@@ -10,7 +10,10 @@ pub static STAGE: Stage = Stage {
     name: "mean_irradiance",
     about: "area-weighted mean irradiance of every cluster",
     equation: "Mertens et al. 2003, section 3.2, weighted: sum A_k E_k / sum A_k",
-    writes: &[(BufferId::cluster_irradiance, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-6 })],
+    writes: &[
+        (BufferId::arrivals, Role::Update, Tolerance::Exact),
+        (BufferId::cluster_irradiance, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-6 }),
+    ],
     reason: "a weighted mean a level, some 40 levels of f32 rounding",
     runs: Update::light,
     ..super::stage(cpu, gpu)

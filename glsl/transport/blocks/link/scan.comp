@@ -44,10 +44,12 @@ void main() {
         if (fits && one.area + one.edge > 0) near[next_near++] = i;
     }
     if (self == 0) {
-        // The groups of the kernels for near triangles.
+        // The groups of the kernels for near triangles: with 64 receivers each, and with a block each.
         uint blocks_near = fits ? sum_of_all().y : 0;
         near_groups[0] = uvec3((blocks_near + BLOCKS_A_GROUP - 1) / BLOCKS_A_GROUP, 1, 1);
-        near_groups[1] = uvec3(blocks_near, 0, 0);
+        uint row = max(min(blocks_near, GROUPS_A_ROW), 1);
+        near_groups[1] = uvec3(min(blocks_near, row), (blocks_near + row - 1) / row, 1);
+        near_groups[2] = uvec3(blocks_near, 0, 0);
         counters[0].entries = total;
         counters[0].required_entries = max(counters[0].required_entries, total);
         counters[0].required_near = max(counters[0].required_near, most_near);

@@ -1,21 +1,34 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
-// The moments of a level's clusters.
+// A cluster's moments from its two children's, by the parallel axis theorem.
 layout(constant_id = 0) const uint ORDER = 2;
-layout(push_constant, scalar) uniform push_block { Range range; };
 READS(object_params)
 READS(topology)
-READS(order)
 READS(bounds)
 READS(clusters)
-UPDATES(moments)
-UPDATES(second_moments)
-#include "transport/blocks/pull/parallel_axes.glsl"
+SHARES(moments)
+SHARES(second_moments)
+#include "climb.glsl"
 
-void main() {
-    uint i = invocation();
-    if (i < range.count) pull(order[range.first + i]);
+#include "transport/blocks/pull/coarse.glsl"
+
+void of_cluster(uint node) {
+    uint left = node + 1, right = topology[left].skip;
+    Moment l = moments[left], r = moments[right];
+    SecondMoments ls = second_moments[left], rs = second_moments[right];
+    float weight = l.weight + r.weight;
+    // Without light the middle counts.
+    float share = weight > 0.0 ? r.weight / weight : 0.5;
+    vec3 center = ORDER == 0 ? clusters[node].center : l.center + share * (r.center - l.center);
+    vec3 to_l = l.center - center, to_r = r.center - center;
+    vec3 diagonal = mix(ls.diagonal + to_l * to_l, rs.diagonal + to_r * to_r, share);
+    vec3 mixed = mix(ls.mixed + to_l.yzx * to_l.zxy, rs.mixed + to_r.yzx * to_r.zxy, share);
+    // Two bounds on the radius: around the children's spheres, and around the box.
+    float spheres = max(length(to_l) + ls.radius, length(to_r) + rs.radius);
+    vec3 corner = max(center - bounds[node].low, bounds[node].high - center);
+    float radius = min(spheres, length(corner));
+    moments[node] = Moment(center, weight);
+    second_moments[node] = SecondMoments(diagonal, radius, mixed, coarse_distance(diagonal, radius));
 }

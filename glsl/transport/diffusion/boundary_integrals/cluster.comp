@@ -1,21 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
-// A cluster's layers from its two children's, shifted to its middle; one level a dispatch. The middle is that of the
+// A cluster's layers from its two children's, shifted to its middle. The middle is that of the
 // area; for the source term, which is nowhere negative, it is that of the charge in each channel.
 layout(constant_id = 0) const uint SOURCE = 0;
-layout(push_constant, scalar) uniform push_block { Range range; };
 READS(object_params)
 READS(topology)
-READS(order)
 READS(moments)
 READS(second_moments)
-UPDATES(layer_places)
-UPDATES(layer_firsts)
-UPDATES(layer_squares)
-UPDATES(layer_products)
+SHARES(layer_places)
+SHARES(layer_firsts)
+SHARES(layer_squares)
+SHARES(layer_products)
+#include "climb.glsl"
 #include "transport/diffusion/layers.glsl"
 
 // Adds a child whose middle is at x, y, z from the cluster's.
@@ -33,10 +31,7 @@ void add(inout Layers sum, Layers one, vec3 x, vec3 y, vec3 z) {
     sum.uz += one.uz + one.w * z;
 }
 
-void main() {
-    uint i = invocation();
-    if (i >= range.count) return;
-    uint node = order[range.first + i];
+void of_cluster(uint node) {
     uint left = node + 1, right = topology[left].skip;
     Layers l = layers_of(left), r = layers_of(right);
     vec3 center = moments[node].center;

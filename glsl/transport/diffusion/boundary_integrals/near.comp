@@ -3,7 +3,6 @@
 #include "layout.glsl"
 
 // Adds near triangles whose layers are kept, each at every receiver of the block.
-layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint KEPT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(blocks)
@@ -18,12 +17,16 @@ UPDATES(received)
 #include "transport/blocks/gather/receiver.glsl"
 #include "transport/diffusion/near_receiver.glsl"
 
+uint first, place;
+
+void add(uint i) { sum += layer_places[entries[first + i]].charge * near_layers[kept_place(place, i)]; }
+
 void main() {
     Runs run;
-    uint slot;
-    Receiver self = near_receiver(run, slot);
-    uint kept = kept_of(run), first = run.first + run.expanded + run.direct + run.area + run.edge - kept;
-    vec3 sum = vec3(0);
-    for (uint i = 0; i < kept; ++i) sum += layer_places[entries[first + i]].charge * near_layers[kept_place(slot, i)];
-    if (self.present) received[self.face] += sum;
+    Receiver self = near_receiver(run, place);
+    uint kept = kept_of(run);
+    first = run.first + run.expanded + run.direct + run.area + run.edge - kept;
+    vec3 all, none;
+    sum_near(0, kept, all, none);
+    if (stores(self)) received[self.face] += all;
 }

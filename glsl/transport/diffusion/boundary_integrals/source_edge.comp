@@ -4,7 +4,6 @@
 
 // Adds light deposited below near triangles, by the edge form where it is too near for area points. Each invocation
 // looks for its own next such triangle: there are few.
-layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint NODES = 6;
 // Layers of the light are not kept: its place may change with every frame.
 const uint KEPT = 0;
@@ -28,6 +27,8 @@ UPDATES(received)
 #include "transport/diffusion/source_edges.glsl"
 #include "transport/diffusion/source.glsl"
 #include "transport/blocks/gather/receiver.glsl"
+#define ALONE
+#define NO_SUMS
 #include "transport/diffusion/near_receiver.glsl"
 
 void main() {

@@ -3,7 +3,6 @@
 #include "layout.glsl"
 
 // The layers of near triangles at each receiver of a block, with charge 1: by 6 area points, or by the edge form.
-layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint KEPT = 0;
 layout(constant_id = 1) const uint NODES = 6;
 layout(push_constant, scalar) uniform push_block { Range range; };
@@ -23,6 +22,7 @@ UPDATES(near_layers)
 #include "transport/diffusion/kernel.glsl"
 #include "transport/diffusion/edges.glsl"
 #include "transport/blocks/gather/receiver.glsl"
+#define NO_SUMS
 #include "transport/diffusion/near_receiver.glsl"
 
 void main() {
@@ -32,7 +32,7 @@ void main() {
     uint kept = kept_of(run), first = run.first + run.expanded + run.direct + run.area + run.edge - kept;
     uint sampled = run.area - computed(run).x;
     vec3 k = object_params[0].sigma, z = object_params[0].boundary;
-    for (uint i = 0; i < kept; ++i) {
+    for (uint i = team(); i < kept; i += TEAMS) {
         uint node = entries[first + i], face = topology[node].face;
         Cluster cluster = clusters[node];
         uvec3 corner = triangles[face];

@@ -1,17 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
-// A cluster's light has changed if a child's has; one level a dispatch.
-layout(push_constant, scalar) uniform push_block { Range range; };
+// A cluster's light has changed if a child's has.
 READS(topology)
-READS(order)
-UPDATES(change_flags)
+SHARES(change_flags)
+#include "climb.glsl"
 
-void main() {
-    uint i = invocation();
-    if (i >= range.count) return;
-    uint node = order[range.first + i];
+void of_cluster(uint node) {
     change_flags[node] |= change_flags[node + 1] | change_flags[topology[node + 1].skip];
 }

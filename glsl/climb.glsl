@@ -1,0 +1,28 @@
+// Clusters from their children's: one level a dispatch, or, with CLIMBS, all levels at once. Then an invocation for each
+// triangle climbs; of the two that arrive at a cluster the second, which finds the mark of the first and takes it away,
+// goes on with it, since both its children are done. Which of them that is changes no bit. The includer SHARES what it writes, and reads `topology`.
+#include "invocation.glsl"
+
+layout(constant_id = CLIMBS_ID) const uint CLIMBS = 0;
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(order)
+READS(leaves)
+SHARES(arrivals)
+
+// Makes a cluster.
+void of_cluster(uint node);
+
+void main() {
+    uint i = invocation();
+    if (i >= range.count) return;
+    if (CLIMBS == 0) {
+        of_cluster(order[range.first + i]);
+        return;
+    }
+    for (uint node = topology[leaves[i]].parent; node != NONE; node = topology[node].parent) {
+        memoryBarrierBuffer();
+        if (atomicXor(arrivals[node], 1) == 0) return;
+        memoryBarrierBuffer();
+        of_cluster(node);
+    }
+}
