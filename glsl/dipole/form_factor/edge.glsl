@@ -2,15 +2,28 @@
 // where psi is the angle at the source between the foot of the edge and a point on it (equation 13 made free of
 // cancellation). It needs only square root, division and exp, whose precision Vulkan bounds. Vectors run over channels.
 // The includer has NODES: 3, 6 or 12. Divisors are at least 1e-37: a device may flush a denormal such as 1e-38.
-const uint FIRST_NODE = NODES - 3;
-const float NODE[21] = float[21](-0.774596669241, 0.0, 0.774596669241,
-    -0.932469514203, -0.661209386466, -0.238619186083, 0.238619186083, 0.661209386466, 0.932469514203,
-    -0.981560634247, -0.904117256370, -0.769902674194, -0.587317954287, -0.367831498998, -0.125233408511,
-    0.125233408511, 0.367831498998, 0.587317954287, 0.769902674194, 0.904117256370, 0.981560634247);
-const float WEIGHT[21] = float[21](0.555555555556, 0.888888888889, 0.555555555556,
-    0.171324492379, 0.360761573048, 0.467913934573, 0.467913934573, 0.360761573048, 0.171324492379,
-    0.047175336387, 0.106939325995, 0.160078328543, 0.203167426723, 0.233492536538, 0.249147045813,
-    0.249147045813, 0.233492536538, 0.203167426723, 0.160078328543, 0.106939325995, 0.047175336387);
+// Nodes and weights come by selections: a table indexed at run time would be copied to each invocation's memory.
+
+// The value of six for the nodes of one half, the outermost first.
+float of_half(uint place, float a, float b, float c, float d, float e, float f) {
+    return place == 0 ? a : place == 1 ? b : place == 2 ? c : place == 3 ? d : place == 4 ? e : f;
+}
+
+// Node number `k`, from -1 to 1.
+float node_at(uint k) {
+    uint place = min(k, NODES - 1 - k);
+    float outer = NODES == 3 ? (place == 0 ? 0.774596669241 : 0.0)
+                : NODES == 6 ? (place == 0 ? 0.932469514203 : place == 1 ? 0.661209386466 : 0.238619186083)
+                : of_half(place, 0.981560634247, 0.904117256370, 0.769902674194, 0.587317954287, 0.367831498998, 0.125233408511);
+    return 2 * k < NODES ? -outer : outer;
+}
+
+float weight_at(uint k) {
+    uint place = min(k, NODES - 1 - k);
+    return NODES == 3 ? (place == 0 ? 0.555555555556 : 0.888888888889)
+         : NODES == 6 ? (place == 0 ? 0.171324492379 : place == 1 ? 0.360761573048 : 0.467913934573)
+         : of_half(place, 0.047175336387, 0.106939325995, 0.160078328543, 0.203167426723, 0.233492536538, 0.249147045813);
+}
 
 // Half of the least value of (1 - w)(1 + w) for a w below 1 in f32. Where an edge points past the foot, w is 1 but for
 // the rounding of a division, which differs between devices: a tiny difference of two such w must not count.
@@ -39,7 +52,7 @@ vec3 edge_integral(vec3 sigma, float R, float t1, float t2, vec3 h, float rim, v
     bvec3 outside = lessThan(h, vec3(rim));
     vec3 sum = vec3(0);
     for (uint k = 0; k < NODES; ++k) {
-        vec3 w = middle + half_width * NODE[FIRST_NODE + k];
+        vec3 w = middle + half_width * node_at(k);
         vec3 ratio = 1.0 / max((1.0 - w) * (1.0 + w), LEAST_GAP);
         vec3 s = S * (1.0 + w * w) * ratio;
         vec3 t = 2.0 * S * w * ratio;
@@ -47,7 +60,7 @@ vec3 edge_integral(vec3 sigma, float R, float t1, float t2, vec3 h, float rim, v
         vec3 past = max(vec3(0), r2 - rim * rim);
         vec3 q = mix(vec3(1), past / max(r2, vec3(1e-37)), outside);
         vec3 beyond = mix(r2, past, outside) / (s + s_m);
-        sum += WEIGHT[FIRST_NODE + k] * ratio * q * (1.0 + sigma * s_m * phi1(sigma * beyond)) / (s + s_m);
+        sum += weight_at(k) * ratio * q * (1.0 + sigma * s_m * phi1(sigma * beyond)) / (s + s_m);
     }
     return 2.0 * R * half_width * sum;
 }

@@ -14,14 +14,14 @@ void add_part(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, fl
     bool outside = h < rim;
     vec3 of_single = vec3(0), of_double = vec3(0);
     for (uint i = 0; i < NODES; ++i) {
-        float w = middle + half_width * NODE[FIRST_NODE + i];
+        float w = middle + half_width * node_at(i);
         float ratio = 1.0 / max((1.0 - w) * (1.0 + w), LEAST_GAP);
         float s = S * (1.0 + w * w) * ratio, t = 2.0 * S * w * ratio;
         float r2 = R2 + t * t, past = max(0.0, r2 - rim * rim);
         float q = outside ? past / max(r2, 1e-37) : 1.0;
         float beyond = (outside ? past : r2) / max(s + s_m, 1e-30);
         vec3 phi = phi1(k * beyond);
-        float common_part = WEIGHT[FIRST_NODE + i] * ratio * q / max(s + s_m, 1e-30);
+        float common_part = weight_at(i) * ratio * q / max(s + s_m, 1e-30);
         of_single += common_part * s * phi;
         of_double += common_part * (1.0 + k * s_m * phi);
     }
@@ -56,25 +56,19 @@ void add_edge(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, fl
 // receiver's height over the plane, 0 for the triangle itself.
 void layers_of_triangle(vec3 k, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, float height,
                         out vec3 single, out vec3 twice) {
-    vec3 foot = -height * normal;
-    vec3 corner[3] = vec3[3](a - foot, b - foot, c - foot);
-    uint number[3] = uint[3](id.x, id.y, id.z);
-    bool inside = true;
-    float nearest = 1e30, longest = 0.0;
-    for (uint e = 0; e < 3; ++e) {
-        vec3 p = corner[e], q = corner[(e + 1) % 3];
-        inside = inside && dot(cross(p, q), normal) >= 0.0;
-        nearest = min(nearest, segment_distance(p, q));
-        longest = max(longest, dot(q - p, q - p));
-    }
+    vec3 foot = -height * normal, p0 = a - foot, p1 = b - foot, p2 = c - foot;
+    bool inside = dot(cross(p0, p1), normal) >= 0.0 && dot(cross(p1, p2), normal) >= 0.0 && dot(cross(p2, p0), normal) >= 0.0;
+    float nearest = min(min(segment_distance(p0, p1), segment_distance(p1, p2)), segment_distance(p2, p0));
+    float longest = max(max(dot(p1 - p0, p1 - p0), dot(p2 - p1, p2 - p1)), dot(p0 - p2, p0 - p2));
     bool elongated = longest > ELONGATED * length(cross(b - a, c - a));
     float h = abs(height), rim = inside ? 0.0 : nearest;
     float s_m = h < rim ? sqrt(h * h + rim * rim) : h;
     single = vec3(0);
     twice = vec3(0);
+    // The corners are rotated: arrays indexed at run time would go through memory.
     for (uint e = 0; e < 3; ++e) {
-        bool swapped = number[e] > number[(e + 1) % 3];
-        vec3 p = corner[swapped ? (e + 1) % 3 : e], q = corner[swapped ? e : (e + 1) % 3];
+        bool swapped = id.x > id.y;
+        vec3 p = swapped ? p1 : p0, q = swapped ? p0 : p1;
         float size = length(q - p);
         vec3 u = size > 0.0 ? (q - p) / size : vec3(0);
         float R = dot(cross(p, u), normal);
@@ -82,6 +76,11 @@ void layers_of_triangle(vec3 k, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, f
         add_edge(one, two, k, R, dot(p, u), dot(q, u), h, rim, s_m, elongated);
         single += swapped ? -one : one;
         twice += swapped ? -two : two;
+        vec3 first = p0;
+        p0 = p1;
+        p1 = p2;
+        p2 = first;
+        id = id.yzx;
     }
     // Both integrands are positive; sums that cancel in a sliver may not be.
     vec3 fall = 0.0795774715 * exp(-k * s_m);

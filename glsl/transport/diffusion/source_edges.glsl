@@ -8,12 +8,12 @@ void add_part_of_source(inout vec3 sum, vec3 k, vec3 R, vec3 t1, vec3 t2, vec3 h
     vec3 middle = 0.5 * (w1 + w2), half_width = 0.5 * (w2 - w1), part = vec3(0);
     bvec3 outside = lessThan(h, rim);
     for (uint i = 0; i < NODES; ++i) {
-        vec3 w = middle + half_width * NODE[FIRST_NODE + i];
+        vec3 w = middle + half_width * node_at(i);
         vec3 ratio = 1.0 / max((1.0 - w) * (1.0 + w), LEAST_GAP);
         vec3 s = S * (1.0 + w * w) * ratio, t = 2.0 * S * w * ratio;
         vec3 r2 = R2 + t * t, past = mix(r2, max(vec3(0), r2 - rim * rim), outside);
         vec3 q = mix(vec3(1), past / max(r2, 1e-37), outside), both = max(s + s_m, 1e-30);
-        part += WEIGHT[FIRST_NODE + i] * ratio * q * s / both * phi1(k * past / both);
+        part += weight_at(i) * ratio * q * s / both * phi1(k * past / both);
     }
     sum += mix(2.0 * R * half_width * part, vec3(0), lessThanEqual(R2, vec3(0)));
 }
