@@ -52,12 +52,6 @@ float law(float u, float power) {
     return largest;
 }
 
-// The law at the fourth power of `root`.
-float law_of_root(float root, float power) {
-    float squared = root * root;
-    return law(squared * squared, power);
-}
-
 void main() {
     uint i = invocation();
     if (i >= ERROR_LAWS * RANGE_ENTRIES) return;
@@ -65,17 +59,13 @@ void main() {
     float power = power_of(which);
     float top = law(0.0, power), depth = min(RANGE_DEPTH, top - law(FARTHEST, power));
     float wanted = top - depth * float(entry) / float(RANGE_ENTRIES - 1);
-    // Bisects the fourth root of the distance: small distances matter as much as large ones. Two steps at once: laws that
-    // do not wait for each other are evaluated side by side.
+    // Bisects the fourth root of the distance: small distances matter as much as large ones.
     float low = 0.0, high = 1.41421356;
-    for (uint k = 0; k < 15; ++k) {
-        float middle = 0.5 * (low + high), left = 0.5 * (low + middle), right = 0.5 * (middle + high);
-        bool beyond = law_of_root(middle, power) <= wanted;
-        bool beyond_left = law_of_root(left, power) <= wanted, beyond_right = law_of_root(right, power) <= wanted;
-        float end = beyond ? middle : high, begin = beyond ? low : middle, half_way = beyond ? left : right;
-        bool beyond_half = beyond ? beyond_left : beyond_right;
-        high = beyond_half ? half_way : end;
-        low = beyond_half ? begin : half_way;
+    for (uint k = 0; k < 30; ++k) {
+        float middle = 0.5 * (low + high), squared = middle * middle;
+        bool beyond = law(squared * squared, power) <= wanted;
+        high = beyond ? middle : high;
+        low = beyond ? low : middle;
     }
     float u = entry == 0 ? 0.0 : high * high * high * high;
     uint base = which * (RANGE_ENTRIES + 2);
