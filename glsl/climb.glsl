@@ -1,6 +1,7 @@
-// Clusters from their children's: one level a dispatch, or, with CLIMBS, all levels at once. Then an invocation for each
-// triangle climbs; of the two that arrive at a cluster the second, which finds the mark of the first and takes it away,
-// goes on with it, since both its children are done. Which of them that is changes no bit. The includer SHARES what it writes, and reads `topology`.
+// Clusters from their children's: one level a dispatch, or, with CLIMBS, all levels at once. Then an invocation for
+// each triangle climbs; of the two that arrive at a cluster the second, which finds the mark of the first and takes it
+// away, goes on with it, since both its children are done. Which of them that is changes no bit. The includer SHARES
+// what it writes, and reads `topology`.
 #include "invocation.glsl"
 
 layout(constant_id = CLIMBS_ID) const uint CLIMBS = 0;

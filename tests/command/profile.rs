@@ -56,6 +56,38 @@ fn a_solver_is_profiled_as_far_as_it_goes() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn a_profile_times_each_kernel() {
+    let here = folder(&[]);
+    good(&here, &format!("profile {SMALL} --frames 3 --by kernel --json k.json --trace t.json"));
+    good(&here, &format!("profile {SMALL} --frames 3 --json s.json"));
+    let rows = |file: &str| {
+        let json: serde_json::Value = serde_json::from_str(&read(&here, file)).unwrap();
+        json["stages"].as_array().unwrap().clone()
+    };
+    let (kernels, stages) = (rows("k.json"), rows("s.json"));
+    // What a stage's kernels do is what the stage does; each has a time of its own.
+    for key in ["dispatches", "flops"] {
+        let number = |row: &serde_json::Value| row.get(key).unwrap_or(&row["work"][key]).as_u64().unwrap();
+        let of = |rows: &[serde_json::Value], name: &str| {
+            let of_stage = |row: &&serde_json::Value| row["stage"].as_str().unwrap().contains(name);
+            rows.iter().filter(of_stage).map(number).sum::<u64>()
+        };
+        assert_eq!(of(&kernels, "blocks/link/"), of(&stages, "link"), "{key}");
+        assert_eq!(of(&kernels, "blocks/gather/"), of(&stages, "gather"), "{key}");
+    }
+    let time = |name: &str| kernels.iter().find(|row| row["stage"] == name).unwrap()["device_ms"]["median"].clone();
+    assert!(time("transport/blocks/link/count").as_f64().unwrap() > 0.0);
+    assert!(read(&here, "t.json").contains("transport/blocks/gather/direct"));
+    for (line, words) in [
+        (format!("profile {SMALL} --by kernel --device cpu"), "a device that"),
+        (format!("profile {SMALL} --by kernel --device cpu --device cpu"), "one device only"),
+    ] {
+        bad(&here, &line, 2, &["--by kernel", words]);
+    }
+}
+
+#[test]
 fn a_profile_on_the_cpu_has_times_only() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("profile {SMALL} --frames 1 --device cpu --csv a.csv"));

@@ -37,3 +37,37 @@ fn groups_that_share_walks_conform() {
         });
     }
 }
+
+#[test]
+fn stages_conform_where_invocations_share_items() {
+    // Triangles that are large against the mean free path: near ones by area points and by the edge form.
+    let sets = [
+        "object.0.detail=2",
+        "camera.size=[8, 8]",
+        "transport.receivers=faces",
+        "object.0.size=30",
+        "transport.tolerance=1e-3",
+    ];
+    let scene = Scene::load_with("sphere", &sets.map(str::to_string)).unwrap();
+    let coarse = Fixture::of_scene("sphere of large triangles", &scene).unwrap();
+    let mut state = coarse.state.clone();
+    coarse.steps.iter().for_each(|step| step.reference(&mut state));
+    assert!(state.data.runs.iter().any(|run| run.edge > 0) && state.data.runs.iter().any(|run| run.area > 0));
+    for (fixture, stages) in [
+        (coarse, vec!["refit", "shadow", "pull", "link", "gather"]),
+        (fixture("diffusion in a ball").unwrap(), vec!["near_layers", "boundary_integrals", "krylov_step"]),
+    ] {
+        let stages: Vec<String> = stages.into_iter().map(String::from).collect();
+        on_devices(|device| {
+            let wide = device.opened_as(&Choices { lanes: Some(64), ..device.choices().clone() }).unwrap();
+            let rows = conform_stages(&wide, &fixture, &stages).unwrap();
+            assert!(
+                stages.iter().all(|stage| rows.iter().any(|row| row.stage == stage)),
+                "{}: a stage is missing",
+                fixture.name
+            );
+            let faults: Vec<&String> = rows.iter().flat_map(|row| &row.faults).collect();
+            assert!(faults.is_empty(), "{}: {faults:?}", fixture.name);
+        });
+    }
+}

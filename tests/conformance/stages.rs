@@ -229,8 +229,7 @@ mod rare {
         order.sort_by_key(|&k| list[k].state.data.triangles.len());
         let mut kernels: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for k in order {
-            for dispatch in dispatches(&list[k].state, &list[k].steps, Width { subgroup: 8, processor: true }).unwrap()
-            {
+            for dispatch in dispatches(&list[k].state, &list[k].steps, Width { subgroup: 8, shares: false }).unwrap() {
                 let known = kernels.entry(dispatch.kernel).or_default();
                 if known.last() != Some(&k) {
                     known.push(k);

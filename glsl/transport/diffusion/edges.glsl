@@ -57,7 +57,8 @@ void add_edge(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, fl
 void layers_of_triangle(vec3 k, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, float height,
                         out vec3 single, out vec3 twice) {
     vec3 foot = -height * normal, p0 = a - foot, p1 = b - foot, p2 = c - foot;
-    bool inside = dot(cross(p0, p1), normal) >= 0.0 && dot(cross(p1, p2), normal) >= 0.0 && dot(cross(p2, p0), normal) >= 0.0;
+    bool inside = dot(cross(p0, p1), normal) >= 0.0 && dot(cross(p1, p2), normal) >= 0.0 &&
+                  dot(cross(p2, p0), normal) >= 0.0;
     float nearest = min(min(segment_distance(p0, p1), segment_distance(p1, p2)), segment_distance(p2, p0));
     float longest = max(max(dot(p1 - p0, p1 - p0), dot(p2 - p1, p2 - p1)), dot(p0 - p2, p0 - p2));
     bool elongated = longest > ELONGATED * length(cross(b - a, c - a));

@@ -64,8 +64,8 @@ impl Shape {
     }
 }
 
-/// At most so many invocations share an item of this kernel. A block has some 150 distant emitters, so that more than 32
-/// invocations seldom have one each: 48 us with 128, 35 with 32 (H200, a bunny of 69,451 faces).
+/// At most so many invocations share an item of this kernel. A block has some 150 distant emitters, so that more than
+/// 32 invocations seldom have a run each: 48 us with 128, 35 with 32 (H200, a bunny of 69,451 faces).
 fn most_lanes(name: &str) -> u32 {
     if name == "transport/blocks/gather/expand" { 32 } else { MOST_LANES }
 }

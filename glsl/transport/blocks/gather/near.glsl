@@ -1,6 +1,6 @@
-// A block's near triangles at each of its receivers. Each run of NEAR_RUN triangles is summed by itself, then these sums
-// are, in their order: so teams of invocations may sum runs at once. The includer reads the buffers named here, and says
-// whether it has ERRORS; with ALONE it has no teams, with NO_SUMS it sums nothing here.
+// A block's near triangles at each of its receivers. Each run of NEAR_RUN triangles is summed by itself, then these
+// sums are, in their order: so teams of invocations may sum runs at once. The includer reads the buffers named here,
+// and says whether it has ERRORS; with ALONE it has no teams, with NO_SUMS it sums nothing here.
 layout(local_size_x = GROUP_SIZE) in;
 #ifdef ALONE
 const uint TEAMS = 1;

@@ -11,7 +11,6 @@ READS(clusters)
 SHARES(moments)
 SHARES(second_moments)
 #include "climb.glsl"
-
 #include "transport/blocks/pull/coarse.glsl"
 
 void of_cluster(uint node) {

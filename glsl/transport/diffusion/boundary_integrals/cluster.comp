@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// A cluster's layers from its two children's, shifted to its middle. The middle is that of the
-// area; for the source term, which is nowhere negative, it is that of the charge in each channel.
+// A cluster's layers from its two children's, shifted to its middle. The middle is that of the area; for the source
+// term, which is nowhere negative, it is that of the charge in each channel.
 layout(constant_id = 0) const uint SOURCE = 0;
 READS(object_params)
 READS(topology)
