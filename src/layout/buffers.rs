@@ -139,8 +139,8 @@ buffers! {
     runs: Runs, batch;
     /// The blocks of a batch that take area points or the edge form, by their place in the batch.
     near: u32, batch;
-    /// Groups to dispatch for them: of 64 receivers each, then of a block each; then their number. A part is 64 elements
-    /// for the sake of its offset.
+    /// Groups to dispatch for them: of 64 receivers each, then of a block each; then their number. A part is 64
+    /// elements for the sake of its offset.
     near_groups: [u32; 3], batch;
     /// The first LINK_KEPT - 1 emitters that each block of a batch lists, in the order of its walk, and behind them the
     /// last node that it visited: nodes, and how each is taken.

@@ -258,8 +258,8 @@ impl<'s> Pass<'s> {
         Ok(())
     }
 
-    /// Runs the stage's kernel `part` for all clusters, children always before their parents: a dispatch for each level,
-    /// or one for all where the kernel can and many invocations run at once.
+    /// Runs the stage's kernel `part` for all clusters, children always before their parents: a dispatch for each
+    /// level, or one for all where the kernel can and many invocations run at once.
     pub fn climb(&mut self, part: &str, constants: &[u32]) -> Result<()> {
         if self.climbs(part, constants)? {
             let faces = self.object().count.faces;
