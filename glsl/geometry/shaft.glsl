@@ -1,15 +1,17 @@
-// Rays of a team of invocations go through the wide tree together. Each invocation tests another child of a node
+// Rays of a team of invocations go through the wide tree together: each invocation tests another child of a node
 // against the shaft that holds all their rays; the triangles that it meets are listed, and then all test the same ones,
 // each against its own ray. The result does not depend on which triangles are listed: all that could change it are
 // among them. A shaft may hold many that no ray comes near, such as those of a dense mesh between two pixels' rays:
-// after MOST_LISTED, rays that need more go alone.
+// after MOST_LISTED, rays that need more go alone. Or the team has one ray, which is the shaft, and each invocation
+// tests other triangles of the list.
 //
 // The includer says what is in the shaft. All invocations of a team take the same branches, those without a ray too.
 
 bool in_shaft(vec3 low, vec3 high);
 
 const uint MOST_LISTED = 1024;
-const uint TEAMS = TEAM_GROUP / LEAST_TEAM;
+// A team has LEAST_TEAM or WIDE invocations; rays that go alone need no room.
+const uint TEAMS = TEAM_GROUP / (LEAST_TEAM + TEAM / WIDE * (WIDE - LEAST_TEAM));
 // LIST triangles wait for their test, DEPTH wide nodes to be opened: `hierarchy::wide` says at most 73.
 const uint LIST = 32, DEPTH = 80, LISTS = TEAMS * LIST, STACKS = LISTS + TEAMS * DEPTH;
 // The last part takes values that are not kept, so that all invocations store without a branch.

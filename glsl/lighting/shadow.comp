@@ -43,7 +43,7 @@ uint spread(Ask ask) {
     shaft_end = light_of(shaft_axis, ask.far);
     bool free = ask.wanted;
     Waiting way = Waiting(0, free ? object_params[0].wide_tops : 0, 0);
-    while (waits(way)) {
+    while (goes_on(way)) {
         uint count = list_triangles(self, way), hit = 0;
         for (uint at = self.mine; at < count; at += TEAM) {
             uint face = pool[self.list + at];

@@ -1,7 +1,8 @@
 //! Stage `widen`: the trees of all objects as rays walk them on a device: the boxes of a node's up to eight children
 //! side by side, so that eight invocations load and test them at once.
 //!
-//! Rays of neighbouring faces or pixels go together, a team of up to eight: `glsl/geometry/shaft.glsl`. The reference
+//! Rays of neighbouring faces or pixels go together, a team of up to eight, or a team has one ray:
+//! `glsl/geometry/shaft.glsl`. The reference
 //! follows each ray by itself, through the binary tree. The triangles that a ray is tested against differ, but never
 //! the outcome: triangles that a ray meets lie in boxes that it meets.
 
@@ -40,7 +41,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     pass.dispatch(None, &[], bytemuck::bytes_of(&Range { first: 0, count: count as u32 }), count)
 }
 
-/// The number of rays that go together: as many as share a subgroup, up to the children of a wide node; 1 if each ray
+/// The number of invocations of a team, whose rays go together, or which share one: as many as share a subgroup, up to the children of a wide node; 1 if each ray
 /// goes alone.
 pub fn team(subgroup: usize) -> u32 {
     let most = subgroup.min(WIDE);

@@ -7,6 +7,9 @@ use ash::vk;
 use super::offers::Offers;
 use crate::error::{Error, Result};
 
+/// AMD's number among vendors.
+const AMD: u32 = 0x1002;
+
 /// What a device can do, as far as milkglass cares.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Limits {
@@ -138,6 +141,13 @@ impl Adapter {
         self.ids.driver == vk::DriverId::MESA_LLVMPIPE.as_raw()
     }
 
+    /// The subgroup size for kernels that shuffle, where the driver's own choice is not the best: AMD's drivers take 64 of
+    /// 32 to 64.
+    pub(super) fn narrower(&self) -> Option<u32> {
+        let both = self.offers.subgroups == Some([32, 64]) && self.limits.subgroup_size == 64;
+        (both && self.ids.vendor == AMD).then_some(32)
+    }
+
     /// Numbers all adapters, and adds the number to names that several have, `llvmpipe #0` and `llvmpipe #1`: results
     /// go by names.
     pub(super) fn tell_apart(adapters: &mut [Self]) {
@@ -256,6 +266,21 @@ fn kind(device_type: vk::PhysicalDeviceType) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::Adapter;
+
+    #[test]
+    fn only_gpus_of_amd_that_offer_both_sizes_get_the_narrower_subgroups() {
+        let adapter = |vendor: u32, subgroups: [u32; 2], size: u32| {
+            let mut adapter = Adapter::default();
+            (adapter.ids.vendor, adapter.offers.subgroups, adapter.limits.subgroup_size) =
+                (vendor, Some(subgroups), size);
+            adapter.narrower()
+        };
+        assert_eq!(adapter(super::AMD, [32, 64], 64), Some(32));
+        for (vendor, offered, size) in [(super::AMD, [64, 64], 64), (super::AMD, [32, 64], 32), (0x10de, [32, 32], 32)]
+        {
+            assert_eq!(adapter(vendor, offered, size), None);
+        }
+    }
 
     #[test]
     fn devices_go_by_number_and_by_as_much_of_the_name_as_tells_them_apart() {

@@ -64,7 +64,8 @@ pub struct Choices {
     pub subgroup: Option<u32>,
     /// Whether kernels do without shuffles.
     pub no_shuffles: bool,
-    /// Invocations that share a block or a sample, where kernels have them; by the device's kind where there is none.
+    /// Invocations that share a block or a sample, where kernels have them; if not 1, some share rays, near triangles
+    /// and climbs too. By the device's kind where there is none.
     pub lanes: Option<u32>,
     /// How buffers are bound.
     pub descriptors: Descriptors,
@@ -207,9 +208,9 @@ pub static AXES: &[Axis] = &[
     },
     Axis {
         name: "lanes",
-        about: "invocations that share a block, a sample or its receivers",
+        about: "invocations that share a block, a sample, its receivers or a ray",
         values: &[
-            value!("any", "1 on a processor, else 128", lanes = None),
+            value!("any", "1 on a processor, else up to 128", lanes = None),
             value!("1", "each walks alone", lanes = Some(1)),
             value!("32", "32 invocations, a group of their own", lanes = Some(32)),
             value!("64", "64 invocations", lanes = Some(64)),

@@ -100,7 +100,7 @@ impl Kernel {
 
     /// The groups of a dispatch of this many items: all in one row where they fit, else rows of equal length.
     pub(crate) fn grid(&self, items: u64) -> [u32; 3] {
-        let groups = (items * u64::from(self.shape.an_item(self.group))).div_ceil(u64::from(self.group));
+        let groups = (items * u64::from(self.shape.an_item())).div_ceil(u64::from(self.group));
         let row = u64::from(GROUPS_A_ROW).min(self.device.limits().groups[0].into()).max(1);
         [groups.min(row), groups.div_ceil(row), 1].map(|count| u32::try_from(count).unwrap_or(u32::MAX))
     }
@@ -214,7 +214,7 @@ impl Kernel {
             if self.shuffles && device.grants_full_subgroups(self.across) {
                 stage = stage.flags(vk::PipelineShaderStageCreateFlags::REQUIRE_FULL_SUBGROUPS);
             }
-            if let Some(subgroup) = choices.subgroup {
+            if let Some(subgroup) = device.subgroup(self.shuffles) {
                 size = size.required_subgroup_size(subgroup);
                 stage = stage.push_next(&mut size);
             }

@@ -16,7 +16,7 @@ pub struct Offers {
     synchronization2: bool,
     /// The smallest and the largest subgroup size that a pipeline can require; none without
     /// `VK_EXT_subgroup_size_control`.
-    subgroups: Option<[u32; 2]>,
+    pub(super) subgroups: Option<[u32; 2]>,
     /// Whether a pipeline can require that all subgroups are full, by the same extension.
     pub(super) full_subgroups: bool,
     /// Whether kernels can shuffle values in a subgroup.

@@ -28,7 +28,7 @@ constants! {
     TEAMS_ID: u32 = 103;
     /// The specialization constant that says how many invocations the group has that goes through all elements alone.
     WIDE_ID: u32 = 104;
-    /// At most so many; they share 12 bytes each, and every device has 16 KiB.
+    /// At most so many; they share 16 bytes each at most, which are all the 16 KiB that every device has.
     MOST_WIDE: u32 = 1024;
     /// The specialization constant that is not 0 where one dispatch goes through all levels of a tree.
     CLIMBS_ID: u32 = 105;

@@ -154,6 +154,7 @@ impl DeviceState {
         let bindings: Vec<Binding<'_>> = self.bound(&kernel, state, call.at).map(|(_, binding)| binding).collect();
         let work = match call.groups {
             Groups::Invocations(count) => Work::Invocations(count as u64),
+            Groups::Whole(count) => Work::Grid([count as u32, 1, 1]),
             Groups::Counted { slot, element } => match self.counted(state, call.at, &kernel, (slot, element)) {
                 Some(BufferRange { buffer, offset, .. }) => Work::Groups { buffer, offset },
                 None => return Ok(()),
@@ -215,6 +216,8 @@ pub(super) struct Call<'a> {
 pub(super) enum Groups {
     /// This many invocations.
     Invocations(usize),
+    /// This many groups.
+    Whole(usize),
     /// Indirect: as many work groups as this element of the buffer's part says (three numbers, written by an earlier
     /// dispatch).
     Counted {

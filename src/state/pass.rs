@@ -5,7 +5,7 @@ use super::trace::{Trace, Traced, Way};
 use super::{Object, Scope, State, Step};
 use crate::error::Result;
 use crate::gpu::{Access, Device, Recorder, Timing, accesses};
-use crate::layout::{BUFFER_IDS, BufferId, Range};
+use crate::layout::{BUFFER_IDS, BufferId, GROUP_SIZE, Range};
 
 /// What a stage records its dispatches with.
 pub struct Pass<'a> {
@@ -88,7 +88,7 @@ fn in_order(level: std::ops::Range<u32>) -> Range {
 /// What a device runs at once, as far as dispatches depend on it.
 #[derive(Clone, Copy, Debug)]
 pub struct Width {
-    /// Invocations of a subgroup.
+    /// Invocations of a subgroup in which kernels may shuffle; 1 where they may not.
     pub subgroup: usize,
     /// Whether invocations share items: not on a processor, of which an invocation is a lane of a vector.
     pub shares: bool,
@@ -100,7 +100,7 @@ impl Width {
 
     /// The width of this device.
     pub fn of(device: &Device) -> Self {
-        Self { subgroup: device.limits().subgroup_size.max(1) as usize, shares: device.lanes() > 1 }
+        Self { subgroup: device.subgroup_that_shuffles(GROUP_SIZE) as usize, shares: device.lanes() > 1 }
     }
 }
 
@@ -210,6 +210,11 @@ impl<'s> Pass<'s> {
         self.submit(part, constants, push, Groups::Invocations(count))
     }
 
+    /// Runs the stage's kernel `part` in this many groups, whatever their size.
+    pub fn dispatch_groups(&mut self, part: &str, constants: &[u32], push: &[u8], count: usize) -> Result<()> {
+        self.submit(Some(part), constants, push, Groups::Whole(count))
+    }
+
     /// Runs kernel `part` indirectly, for as many work groups as this element of the buffer's part says (three
     /// numbers, written by an earlier dispatch), or the next element, if the kernel's groups have a block each.
     pub fn dispatch_counted(
@@ -247,8 +252,9 @@ impl<'s> Pass<'s> {
             }
             Sink::List(_, found) => {
                 let invocations = match groups {
-                    Groups::Invocations(0) => return Ok(()),
+                    Groups::Invocations(0) | Groups::Whole(0) => return Ok(()),
                     Groups::Invocations(count) => Some(count),
+                    Groups::Whole(count) => Some(count * GROUP_SIZE as usize),
                     Groups::Counted { .. } => None,
                 };
                 let constants = constants.to_vec();

@@ -72,6 +72,7 @@ impl DeviceState {
         let bound: Vec<_> = self.bound(&kernel, state, call.at).collect();
         let groups = match call.groups {
             Groups::Invocations(count) => kernel.grid(count as u64),
+            Groups::Whole(count) => [count as u32, 1, 1],
             Groups::Counted { slot, element } => {
                 let range = self.counted(state, call.at, &kernel, (slot, element));
                 range.map_or(Ok([0; 3]), |range| self.read_groups((slot, range), way))?

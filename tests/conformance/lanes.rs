@@ -56,6 +56,10 @@ fn stages_conform_where_invocations_share_items() {
     for (fixture, stages) in [
         (coarse, vec!["refit", "shadow", "pull", "link", "gather"]),
         (fixture("diffusion in a ball").unwrap(), vec!["near_layers", "boundary_integrals", "krylov_step"]),
+        (fixture("three objects, links kept").unwrap(), vec!["placement", "mean_irradiance"]),
+        (fixture("bump over kept links").unwrap(), vec!["mark_moved"]),
+        (fixture("layers, even, on a slab").unwrap(), vec!["plane_fit"]),
+        (fixture("cdrf, closed form").unwrap(), vec!["curvature_sums"]),
     ] {
         let stages: Vec<String> = stages.into_iter().map(String::from).collect();
         on_devices(|device| {

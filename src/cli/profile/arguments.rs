@@ -59,7 +59,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["against", "compare"])]
     pub(super) why: bool,
     /// Time stages, or each kernel by itself.
-    #[arg(long, value_enum, default_value_t = By::Stage, conflicts_with_all = ["against", "compare", "replace", "why"])]
+    #[arg(long, value_enum, default_value_t = By::Stage, conflicts_with_all = ["against", "replace", "why"])]
     by: By,
     #[command(flatten)]
     pub(super) gate: Gate,
@@ -151,6 +151,10 @@ impl Arguments {
     pub(super) fn open(&self, name: Option<&String>) -> Result<Option<Device>> {
         let device = DeviceArgument::named(name.cloned()).open(validation())?;
         let device = match (device, self.by) {
+            (Some(device), By::Kernel) if device.limits().timestamp_period == 0.0 => {
+                let fault = Input::new("times kernels by the device's timestamps").key("--by kernel");
+                return Err(fault.found(format!("none of {}", device.name())).into());
+            }
             (Some(device), By::Kernel) => {
                 Some(device.opened_as(&Choices { by_kernel: true, ..device.choices().clone() })?)
             }
@@ -182,6 +186,7 @@ impl Arguments {
             change: self.timing.change_name(),
             mode: words[1].clone(),
             transport: words[3].clone(),
+            by_kernel: self.by == By::Kernel,
         }
     }
 

@@ -16,8 +16,6 @@ pub(in super::super) struct Shape {
     pub(in super::super) group: Option<u32>,
     /// The constant that tells the kernel how invocations share items, and how many have one item.
     shared: Option<(u32, u32)>,
-    /// Whether each item has a whole group, however large that is.
-    whole: bool,
 }
 
 impl Shape {
@@ -36,16 +34,15 @@ impl Shape {
     /// another kernel counts keep their size.
     pub(in super::super) fn with_lanes(lanes: u32, found: &Reflected) -> Self {
         let has = |id: u32| found.constants.contains_key(&id);
-        let whole = has(WIDE_ID);
         let teams = |group: u32| Some((group, (TEAMS_ID, group / BLOCK_RECEIVERS as u32)));
         let shared = match lanes > 1 {
-            true if whole => Some((lanes, (WIDE_ID, lanes))),
+            true if has(WIDE_ID) => Some((lanes, (WIDE_ID, lanes))),
             true if has(TEAMS_ID) => teams(if has(GROUP_ID) { lanes } else { GROUP_SIZE }),
             true if has(GROUP_ID) && has(LANES_ID) => Some((lanes, (LANES_ID, lanes))),
             true if has(GROUP_ID) && has(CLIMBS_ID) => Some((GROUP_SIZE, (CLIMBS_ID, 1))),
             _ => None,
         };
-        Self { group: shared.map(|(group, _)| group), shared: shared.map(|(_, constant)| constant), whole }
+        Self { group: shared.map(|(group, _)| group), shared: shared.map(|(_, constant)| constant) }
     }
 
     /// How many invocations share an item, or a block's receivers: those of a group, or 1.
@@ -53,9 +50,9 @@ impl Shape {
         self.shared.and(self.group).unwrap_or(1)
     }
 
-    /// How many invocations an item has, in groups of this size.
-    pub(in super::super) fn an_item(&self, group: u32) -> u32 {
-        if self.whole { group } else { self.shared.map_or(1, |(_, count)| count) }
+    /// How many invocations an item has.
+    pub(in super::super) fn an_item(&self) -> u32 {
+        self.shared.map_or(1, |(_, count)| count)
     }
 
     /// The specialization constants that set it.
@@ -80,7 +77,10 @@ impl Kernel {
         constants: &[u32],
         lanes: u32,
     ) -> Result<Self> {
-        let shape = Shape::with_lanes(lanes, &reflect(name, &words)?);
+        let found = reflect(name, &words)?;
+        // The bits of a kernel with one group do not depend on its width: another device's may be too wide.
+        let wide = found.constants.contains_key(&WIDE_ID) && lanes > 1;
+        let shape = Shape::with_lanes(if wide { lanes.min(device.most_in_group()) } else { lanes }, &found);
         Self::shaped(device, name, words, constants, shape)
     }
 
@@ -108,7 +108,11 @@ impl LogicalDevice {
     /// How many invocations a group has that goes through all elements alone, where items are shared; else 1, which
     /// stands for as many as the kernel says.
     fn widest(&self) -> u32 {
-        let most = self.adapter().limits.group_invocations.min(MOST_WIDE);
-        if self.lanes() > 1 { 1 << most.ilog2() } else { 1 }
+        if self.lanes() > 1 { self.most_in_group() } else { 1 }
+    }
+
+    /// The most invocations of such a group: a power of two.
+    fn most_in_group(&self) -> u32 {
+        1 << self.adapter().limits.group_invocations.clamp(1, MOST_WIDE).ilog2()
     }
 }

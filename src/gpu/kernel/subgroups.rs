@@ -8,11 +8,22 @@ use crate::gpu::reflect::{has_subgroups, reflect, words_of, words_without_subgro
 use crate::gpu::replace::compiled;
 
 impl LogicalDevice {
+    /// The subgroup size that is required of kernels that shuffle, or of others; none leaves it to the driver.
+    pub(in super::super) fn subgroup(&self, shuffles: bool) -> Option<u32> {
+        self.choices().subgroup.or_else(|| self.adapter().narrower().filter(|_| shuffles))
+    }
+
+    /// Invocations of the subgroups in which kernels may shuffle, whose groups have so many in a row; 1 if they may not.
+    pub(crate) fn subgroup_that_shuffles(&self, across: u32) -> u32 {
+        let size = self.subgroup(true).unwrap_or(self.adapter().limits.subgroup_size);
+        if self.grants_full_subgroups(across) { size } else { 1 }
+    }
+
     /// Whether a kernel whose groups have this many invocations in a row gets full subgroups, and may shuffle in them:
     /// only then does an invocation's number follow from its subgroup's number and its lane in that.
     pub(in super::super) fn grants_full_subgroups(&self, across: u32) -> bool {
         let (choices, adapter) = (self.choices(), self.adapter());
-        let size = choices.subgroup.unwrap_or(adapter.limits.subgroup_size);
+        let size = self.subgroup(true).unwrap_or(adapter.limits.subgroup_size);
         let offered = adapter.offers.full_subgroups && adapter.offers.shuffles;
         offered && !choices.no_shuffles && size > 0 && across.is_multiple_of(size)
     }

@@ -36,7 +36,7 @@ pub(super) fn create(
     let mut second = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
     let full = adapter.offers.full_subgroups;
     let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default()
-        .subgroup_size_control(choices.subgroup.is_some())
+        .subgroup_size_control(choices.subgroup.or(adapter.narrower()).is_some())
         .compute_full_subgroups(full);
     if choices.descriptors == Descriptors::Frame {
         features.twelve.descriptor_binding_partially_bound = vk::TRUE;

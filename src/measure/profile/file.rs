@@ -27,6 +27,9 @@ pub struct Subject {
     pub mode: String,
     /// How light is transported.
     pub transport: String,
+    /// Whether kernels are timed, not stages.
+    #[serde(default)]
+    pub by_kernel: bool,
 }
 
 /// A run of `profile`.
@@ -70,6 +73,7 @@ impl Saved {
                 ("--change", subject.change.clone()),
                 ("--mode", subject.mode.clone()),
                 ("--transport", subject.transport.clone()),
+                ("--by", if subject.by_kernel { "kernel" } else { "stage" }.to_string()),
             ];
             [rest.to_vec(), subject.sets.iter().map(set).collect()].concat()
         };

@@ -242,7 +242,7 @@ fn rows(session: &mut Session, frames: &[Frame], samples: &Samples, settings: &S
     let by_kernel = session.device().is_some_and(|device| device.choices().by_kernel);
     let dispatches = if on_device { session.dispatches(settings.change)? } else { Vec::new() };
     let of = |name: &str| {
-        let named = |dispatch: &&Dispatch| if by_kernel { dispatch.kernel == name } else { dispatch.stage == name };
+        let named = |dispatch: &&Dispatch| dispatch.stage == name || (by_kernel && dispatch.kernel == name);
         dispatches.iter().filter(named).count()
     };
     let mut apart: Vec<Frame> = Vec::new();

@@ -104,14 +104,14 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let push = bytemuck::bytes_of(&newest).to_vec();
     if newest > 0 {
         for round in 0..2u32 {
-            pass.dispatch(Some("products"), &[round], bytemuck::bytes_of(&[newest, 0]), newest as usize)?;
+            pass.dispatch_groups("products", &[round], bytemuck::bytes_of(&[newest, 0]), newest as usize)?;
             pass.dispatch(Some("subtract"), &[], &push, faces)?;
         }
     }
     let warm = pass.state.method.warm;
-    pass.dispatch(Some("products"), &[0], bytemuck::bytes_of(&[newest, newest]), 1)?;
+    pass.dispatch_groups("products", &[0], bytemuck::bytes_of(&[newest, newest]), 1)?;
     if warm && newest == 0 {
-        pass.dispatch(Some("products"), &[0], bytemuck::bytes_of(&[1u32, 1]), 1)?;
+        pass.dispatch_groups("products", &[0], bytemuck::bytes_of(&[1u32, 1]), 1)?;
     }
     pass.dispatch(Some("rotate"), &[u32::from(warm)], &push, 1)?;
     pass.dispatch(Some("scale"), &[], &push, faces)
