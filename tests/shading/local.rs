@@ -32,7 +32,7 @@ fn names(session: &Session) -> Vec<&'static str> {
 }
 
 /// The buffers of a frame of the CDRF in closed form.
-const USED: [&str; 25] = [
+const USED: [&str; 26] = [
     "object_params",
     "lights",
     "camera",
@@ -43,6 +43,7 @@ const USED: [&str; 25] = [
     "vertex_order",
     "topology",
     "leaves",
+    "arrivals",
     "order",
     "bounds",
     "wide_links",
