@@ -41,8 +41,8 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     pass.dispatch(None, &[], bytemuck::bytes_of(&Range { first: 0, count: count as u32 }), count)
 }
 
-/// The number of invocations of a team, whose rays go together, or which share one: as many as share a subgroup, up to the children of a wide node; 1 if each ray
-/// goes alone.
+/// The number of invocations of a team, whose rays go together, or which share one: as many as share a subgroup, up to
+/// the children of a wide node; 1 if each ray goes alone.
 pub fn team(subgroup: usize) -> u32 {
     let most = subgroup.min(WIDE);
     if most < LEAST_TEAM { 1 } else { 1 << most.ilog2() }

@@ -141,8 +141,8 @@ impl Adapter {
         self.ids.driver == vk::DriverId::MESA_LLVMPIPE.as_raw()
     }
 
-    /// The subgroup size for kernels that shuffle, where the driver's own choice is not the best: AMD's drivers take 64 of
-    /// 32 to 64.
+    /// The subgroup size for kernels that shuffle, where the driver's own choice is not the best: AMD's drivers take
+    /// 64 of 32 to 64.
     pub(super) fn narrower(&self) -> Option<u32> {
         let both = self.offers.subgroups == Some([32, 64]) && self.limits.subgroup_size == 64;
         (both && self.ids.vendor == AMD).then_some(32)

@@ -13,7 +13,8 @@ impl LogicalDevice {
         self.choices().subgroup.or_else(|| self.adapter().narrower().filter(|_| shuffles))
     }
 
-    /// Invocations of the subgroups in which kernels may shuffle, whose groups have so many in a row; 1 if they may not.
+    /// Invocations of the subgroups in which kernels may shuffle, whose groups have so many in a row; 1 if they may
+    /// not.
     pub(crate) fn subgroup_that_shuffles(&self, across: u32) -> u32 {
         let size = self.subgroup(true).unwrap_or(self.adapter().limits.subgroup_size);
         if self.grants_full_subgroups(across) { size } else { 1 }
