@@ -72,7 +72,7 @@
 //!   around an island that repeat what lies across its seams.
 //! - *kappa*: the curvature that matters for scattering; *sigma_0*: how far light spreads along a surface; *CDRF*:
 //!   curvature-dependent reflectance function, of the cosine and sigma = sigma_0 kappa.
-//! - *lanes*: the invocations that share an item (a block, a sample): 1 on a processor, all of a group on a GPU.
+//! - *lanes*: the invocations that share an item (a block, a sample, a ray): 1 on a processor, more on a GPU.
 //! - *tally*: a kernel's counts of its own work; *rate*: the most that a device does per second.
 //! - *internal units*: the scene has unit extent, the brightest light about unit irradiance; both scales are powers of
 //!   two.

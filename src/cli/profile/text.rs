@@ -69,7 +69,8 @@ pub(super) fn text(found: &Profile) -> String {
             "the device at best, measured now: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s\n"
         );
     }
-    text += "\ntimes in ms: median, half its 95 % interval, and from 10th to 90th percentile; wall: each step submitted and waited for by itself; for kernels the device\n";
+    text += "\ntimes in ms: median, half its 95 % interval, and from 10th to 90th percentile; wall: each step submitted and \
+             waited for by itself, of kernels\nthe device's time\n";
     if found.rows.iter().any(|row| row.work.is_some()) {
         text += "counted by the kernels themselves, in one more frame of the same result: read and written: each byte bound once, \
                  no more\nthan asked for; asked: by all loads and stores; in millions: additions and multiplications, \

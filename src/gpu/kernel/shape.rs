@@ -116,3 +116,31 @@ impl LogicalDevice {
         1 << self.adapter().limits.group_invocations.clamp(1, MOST_WIDE).ilog2()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::reflect::words_of;
+
+    #[test]
+    fn kernels_share_items_as_their_constants_say() {
+        let shape =
+            |name: &str, lanes: u32| Shape::with_lanes(lanes, &reflect(name, &words_of(name).unwrap()).unwrap());
+        // Groups of this size, so many invocations an item, and the constant that says so.
+        for (name, group, constant) in [
+            ("transport/blocks/link/count", 128, (LANES_ID, 128)),
+            ("transport/blocks/link/scan", 128, (WIDE_ID, 128)),
+            ("transport/blocks/gather/direct", 128, (TEAMS_ID, 8)),
+            ("transport/blocks/gather/edge", GROUP_SIZE, (TEAMS_ID, 4)),
+            ("transport/diffusion/boundary_integrals/edge", GROUP_SIZE, (TEAMS_ID, 4)),
+            ("transport/blocks/pull/cluster", GROUP_SIZE, (CLIMBS_ID, 1)),
+        ] {
+            let shared = shape(name, 128);
+            assert_eq!((shared.group, shared.shared), (Some(group), Some(constant)), "{name}");
+            assert_eq!((shared.lanes(), shared.an_item()), (group, constant.1), "{name}");
+            assert_eq!(shape(name, 1), Shape::default(), "{name}");
+        }
+        let alone = "transport/diffusion/boundary_integrals/source_edge";
+        assert_eq!(shape(alone, 128), Shape::default());
+    }
+}

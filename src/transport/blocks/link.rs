@@ -183,7 +183,7 @@ fn cpu(state: &mut State, at: Scope) {
 }
 
 /// This many groups, in rows.
-fn rows(count: u32) -> [u32; 3] {
+pub(crate) fn rows(count: u32) -> [u32; 3] {
     [count.min(GROUPS_A_ROW), count.div_ceil(GROUPS_A_ROW), 1]
 }
 

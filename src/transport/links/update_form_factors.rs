@@ -8,8 +8,9 @@ use super::not_incremental;
 use super::update_links::has_edits;
 use crate::dipole::form_factor::uniform;
 use crate::error::Result;
-use crate::layout::{BufferId, GROUP_SIZE, GROUPS_A_ROW, RULE_AREA, RULE_EDGE, RULE_SAMPLE, Range};
+use crate::layout::{BufferId, GROUP_SIZE, RULE_AREA, RULE_EDGE, RULE_SAMPLE, Range};
 use crate::state::{Distance, Granularity, Near, Pass, Role, Scope, Size, Stage, State, Tolerance, narrow, wide};
+use crate::transport::blocks::link::rows;
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
@@ -43,8 +44,7 @@ pub use crate::layout::{DUE_GROUPS as GROUPS, DUE_MERGED as EDITED, DUE_SUMMED a
 
 /// Work groups to dispatch for this many elements.
 pub(super) fn groups(count: u32) -> [u32; 3] {
-    let needed = count.div_ceil(GROUP_SIZE);
-    [needed.min(GROUPS_A_ROW), needed.div_ceil(GROUPS_A_ROW), 1]
+    rows(count.div_ceil(GROUP_SIZE))
 }
 
 fn cpu(state: &mut State, at: Scope) {
