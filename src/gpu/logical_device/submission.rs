@@ -9,8 +9,9 @@ use crate::error::{Error, Result};
 use crate::gpu::call::vk_call;
 use crate::gpu::choices::Waiting;
 
-/// How much longer to wait for a submission that exceeded its limit, before what it uses is freed.
-pub(super) const GRACE: Duration = Duration::from_secs(1);
+/// How much longer to wait for a submission that exceeded its limit, before what it uses is freed. Software drivers
+/// compile kernels in their first submission, which takes seconds on a busy machine.
+pub(super) const GRACE: Duration = Duration::from_secs(10);
 
 /// How long to ask for the end of a submission again and again, before sleeping.
 const AWAKE: Duration = Duration::from_millis(20);
@@ -33,12 +34,13 @@ impl LogicalDevice {
         self.submit_to(&infos.iter().map(|info| (0, *info)).collect::<Vec<_>>(), doing)
     }
 
-    /// An error where the device executes nothing, or is not done with what it was given.
+    /// Waits, for as long as a submission may take, for one that exceeded its limit. An error where the device executes
+    /// nothing, or is still not done.
     pub(in super::super) fn ready(&self, doing: &str) -> Result<()> {
         if self.0.given_up.get() {
             return Err(Error::device(doing, "the device does not execute what it is given"));
         }
-        if !self.finished() {
+        if !self.0.finished_within(self.0.patience.get()) {
             return Err(Error::device(doing, "the device is still busy with what it did not finish in time"));
         }
         Ok(())
@@ -144,6 +146,15 @@ fn nanoseconds(time: Duration) -> u64 {
 impl Inner {
     /// See [`LogicalDevice::finished`].
     pub(super) fn finished(&self) -> bool {
+        let finished = self.finished_within(self.grace.get());
+        if !finished {
+            self.grace.set(Duration::ZERO);
+        }
+        finished
+    }
+
+    /// Whether nothing runs on the device, after a wait of at most this long.
+    fn finished_within(&self, limit: Duration) -> bool {
         if self.given_up.get() {
             return false;
         }
@@ -153,7 +164,7 @@ impl Inner {
         }
         // SAFETY: the fence is alive; it is destroyed once it is signalled or its device lost.
         unsafe {
-            let wait = self.raw.wait_for_fences(&[fence], true, nanoseconds(self.grace.take()));
+            let wait = self.raw.wait_for_fences(&[fence], true, nanoseconds(limit));
             if wait == Err(vk::Result::TIMEOUT) {
                 return false;
             }
