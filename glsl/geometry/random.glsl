@@ -15,13 +15,21 @@ float unit_random(uint bits) {
     return x;
 }
 
-// The direction with this cosine to an axis and this azimuth (in turns) about it.
-vec3 about(vec3 axis, float cosine, float turns) {
+// Two unit vectors across an axis and across each other (Duff et al. 2017).
+void across_axis(vec3 axis, out vec3 right, out vec3 up) {
     float s = axis.z >= 0.0 ? 1.0 : -1.0;
     precise float a = -s * inverse_of(1.0 + s * axis.z);
     precise float b = axis.x * axis.y * a;
-    precise vec3 right = vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x);
-    precise vec3 up = vec3(b, s + axis.y * axis.y * a, -axis.y);
+    precise vec3 first = vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x);
+    precise vec3 second = vec3(b, s + axis.y * axis.y * a, -axis.y);
+    right = first;
+    up = second;
+}
+
+// The direction with this cosine to an axis and this azimuth (in turns) about it.
+vec3 about(vec3 axis, float cosine, float turns) {
+    vec3 right, up;
+    across_axis(axis, right, up);
     precise float square = 1.0 - cosine * cosine;
     float across = root_of(square);
     vec2 sc = turn(turns);

@@ -21,10 +21,3 @@ Surface surface(Hit hit) {
     float side = dot(cross(b - a, c - a), toward) < 0.0 ? -1.0 : 1.0;
     return Surface(point, unit(normal) * side, unit(toward));
 }
-
-// Microfacets (Walter et al. 2007): G / (4 (n.v) (n.l)), masking and shadowing together as in Heitz 2014, equation 99.
-float masking(float alpha, float seen, float lights) {
-    float a2 = alpha * alpha;
-    float sum = lights * sqrt(seen * seen * (1.0 - a2) + a2) + seen * sqrt(lights * lights * (1.0 - a2) + a2);
-    return 0.5 / max(sum, 1e-30);
-}

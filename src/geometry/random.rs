@@ -26,14 +26,19 @@ pub fn unit_random(bits: u32) -> f32 {
     ((bits >> 9) * 2 + 1) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// The direction with this cosine to an axis and this azimuth (in turns) about it.
+/// Two unit vectors across an axis and across each other (Duff et al. 2017).
 #[must_use]
-pub fn about(axis: [f32; 3], cosine: f32, turns: f32) -> [f32; 3] {
+pub fn across_axis(axis: [f32; 3]) -> [[f32; 3]; 2] {
     let s = if axis[2] >= 0.0 { 1.0 } else { -1.0 };
     let a = -s * inverse(1.0 + s * axis[2]);
     let b = axis[0] * axis[1] * a;
-    let right = [1.0 + s * axis[0] * axis[0] * a, s * b, -s * axis[0]];
-    let up = [b, s + axis[1] * axis[1] * a, -axis[1]];
+    [[1.0 + s * axis[0] * axis[0] * a, s * b, -s * axis[0]], [b, s + axis[1] * axis[1] * a, -axis[1]]]
+}
+
+/// The direction with this cosine to an axis and this azimuth (in turns) about it.
+#[must_use]
+pub fn about(axis: [f32; 3], cosine: f32, turns: f32) -> [f32; 3] {
+    let [right, up] = across_axis(axis);
     let across = root(1.0 - cosine * cosine);
     let [sine, cos] = turn(turns);
     std::array::from_fn(|k| cosine * axis[k] + across * (cos * right[k] + sine * up[k]))

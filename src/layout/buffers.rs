@@ -21,8 +21,6 @@ buffers! {
     sky_rows: SkyRow, row;
     /// Integrals over its columns.
     sky_columns: SkyColumn, column;
-    /// Directions in which the environment is reflected: of facets, or about the mirror direction.
-    reflection_directions: [f32; 3], direction;
     /// Sums of image times harmonic, nine a block of pixels; the first nine are the environment's coefficients.
     harmonics: [f32; 3], patch;
     /// The camera; one element.

@@ -18,6 +18,8 @@ constants! {
     LIGHT_AREA_BOTH: u32 = 4;
     /// A ray to the environment.
     LIGHT_SKY_RAY: u32 = 5;
+    /// A ray to the environment, drawn from the lobe in which a surface reflects what the eye sees.
+    LIGHT_MIRROR_RAY: u32 = 6;
 
     /// `Deform.kind`: a twist about an axis.
     DEFORM_TWIST: u32 = 1;

@@ -35,7 +35,7 @@ records! { view_records:
         weight: f32,
         /// Which of the samples this frame is, from 0.
         sample_number: u32,
-        /// Number of `pixel_lights`.
+        /// Number of `pixel_lights` that light; the rays of reflections follow them.
         lights: u32,
         /// Words of `pixel_lit` for each pixel: a bit for each of those that casts shadows.
         shadow_words: u32,

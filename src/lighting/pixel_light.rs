@@ -10,6 +10,14 @@ use crate::geometry::exact::{root, unit};
 use crate::geometry::random::{about, random4, unit_random};
 use crate::layout::{Buffers, LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_SKY_RAY, Light, SQUARE_STEPS};
 
+/// The point of the unit square for a light's number in this pixel and sample.
+#[must_use]
+pub fn square_point(data: &Buffers, light: &Light, pixel: usize) -> [f32; 2] {
+    let point = data.camera[0].sample_number.wrapping_mul(light.of).wrapping_add(light.number);
+    let shift = random4(pixel as u32, light.kind, 0, 0);
+    std::array::from_fn(|k| unit_random(shift[k].wrapping_add(point.wrapping_mul(SQUARE_STEPS[k]))))
+}
+
 /// Light `number` of `pixel_lights` as a pixel sees it, at a surface with this normal of any length.
 #[must_use]
 pub fn pixel_light(data: &Buffers, number: usize, pixel: usize, normal: [f32; 3]) -> Light {
@@ -18,10 +26,7 @@ pub fn pixel_light(data: &Buffers, number: usize, pixel: usize, normal: [f32; 3]
     if !sky && ![LIGHT_AREA, LIGHT_AREA_BOTH].contains(&light.kind) {
         return light;
     }
-    let point = data.camera[0].sample_number.wrapping_mul(light.of).wrapping_add(light.number);
-    let shift = random4(pixel as u32, light.kind, 0, 0);
-    let at = |k: usize| unit_random(shift[k].wrapping_add(point.wrapping_mul(SQUARE_STEPS[k])));
-    let (u, v) = (at(0), at(1));
+    let [u, v] = square_point(data, &light, pixel);
     if sky {
         return Light { place: about(unit(normal), root(1.0 - u), v), ..light };
     }

@@ -8,13 +8,12 @@ use super::layers::beams;
 use super::pixel_lights::pixel_lights;
 use super::units::Units;
 use crate::layout::{
-    LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SKY_RAY, LIGHT_SPOT, Light as Record,
-    REFLECTION_NONE, SkyColumn, SkyRow,
+    LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SKY_RAY, LIGHT_SPOT, Light as Record, SkyColumn,
+    SkyRow,
 };
 use crate::lighting::sky::fibonacci_direction;
 use crate::scene::{Light, Object, Sky, Source};
 use crate::state::{Group, Local, State, narrow};
-use crate::view::reflect::lobe;
 
 /// Writes the lights' records and sets the light unit: about the largest irradiance anywhere on the objects.
 pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &[Object]) {
@@ -40,8 +39,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
         params.shadow_words = bits.div_ceil(32);
         params.sky = [0; 2];
     }
-    (state.data.sky, state.data.sky_rows, state.data.sky_columns, state.data.reflection_directions) =
-        Default::default();
+    (state.data.sky, state.data.sky_rows, state.data.sky_columns) = Default::default();
     for light in lights {
         if let Source::Environment { sky, .. } = &light.source
             && sky.brightest() != [0.0; 3]
@@ -159,9 +157,6 @@ fn tables(state: &mut State, sky: &Sky, unit: f64) {
     for params in &mut data.object_params {
         params.sky = sky.size;
         params.sky_turn = (0.5 + sky.rotation / 360.0).rem_euclid(1.0) as f32;
-    }
-    if data.object_params.iter().any(|params| params.reflection != REFLECTION_NONE) {
-        data.reflection_directions = data.object_params.iter().flat_map(lobe).collect();
     }
     let factor = sky.factor.map(|x| x / unit);
     let scale = |pixel: &[f32; 3]| std::array::from_fn(|c| (f64::from(pixel[c]) * factor[c]) as f32);

@@ -1,16 +1,31 @@
-//! The scene's lights as pixels see them: where opaque objects are lit pixel by pixel, or objects reflect lights.
+//! The scene's lights as pixels see them: where opaque objects are lit pixel by pixel, or objects reflect lights; and the
+//! rays along which the environment is reflected.
 //!
 //! A light's points, or an environment's rays, are spread over the samples of a picture: each sample of a pixel takes
 //! its share of them, at places of its own, and their mean is that of all.
 
 use super::lights::record_of;
 use super::units::Units;
-use crate::layout::{LIGHT_SKY_RAY, Light as Record, NONE, REFLECTION_NONE};
+use crate::layout::{LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light as Record, NONE, REFLECTION_NONE};
 use crate::scene::{Light, Source};
 use crate::state::{Local, Object, State, narrow};
 
 /// Fewest rays to an environment in one sample: what is hidden of it is a ratio of two of their sums.
 const FEWEST_RAYS: usize = 4;
+
+/// Most rays of a pixel's reflection of the environment in one sample, where they are traced and where nothing hides the
+/// environment. A picture of many samples takes a quarter of them in each.
+const MOST_MIRROR_RAYS: [usize; 2] = [8, 32];
+
+/// The rays along which an environment is reflected, for one sample of so many.
+fn mirror_rays(occlusion: u32, samples: usize) -> Vec<Record> {
+    let hidden = occlusion > 0;
+    let most = MOST_MIRROR_RAYS[usize::from(!hidden)];
+    let rays = (4 * most / samples.max(1)).clamp(most / 4, most) as u32;
+    let shadow = if hidden { 0 } else { NONE };
+    let ray = Record { kind: LIGHT_MIRROR_RAY, of: rays, shadow, ..Record::default() };
+    (0..rays).map(|number| Record { number, ..ray }).collect()
+}
 
 /// Writes `pixel_lights` and their numbers in the camera's record; none where no pixel needs them.
 pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
@@ -19,14 +34,20 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
     let plain = state.objects.iter().any(Object::plain);
     let reflects = state.data.object_params.iter().any(|params| params.reflection != REFLECTION_NONE);
     if !plain && !reflects {
-        count(state, 0);
+        count(state, 0, 0);
         return;
     }
-    let mut records = Vec::new();
+    let (mut records, mut mirrored) = (Vec::new(), Vec::new());
     for light in lights {
         // One point of an area serves for its reflection where there are several samples.
         let most = if plain || samples == 1 { usize::MAX } else { 1 };
         let share = light.samples().div_ceil(samples.max(1)).min(most);
+        if let Source::Environment { sky, occlusion } = &light.source
+            && reflects
+            && sky.brightest() != [0.0; 3]
+        {
+            mirrored = mirror_rays(*occlusion, samples);
+        }
         match &light.source {
             Source::Environment { .. } if !plain || share == 0 || light.color() == [0.0; 3] => {}
             Source::Environment { .. } => {
@@ -47,6 +68,8 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
             _ => records.push(record_of(light, units, 1)),
         }
     }
+    let lit_by = records.len();
+    records.extend(mirrored);
     // In local shading an object does not shadow itself.
     let alone = state.method.local.is_some_and(Local::spares_itself) && state.objects.len() == 1 && !plain;
     let mut bits = 0;
@@ -55,13 +78,12 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
         bits += u32::from(!alone);
     }
     state.data.pixel_lights = records;
-    count(state, bits);
+    count(state, lit_by, bits);
 }
 
-/// Writes the number of pixel lights, and of words for the `bits` of their shadows, into the camera's record.
-fn count(state: &mut State, bits: u32) {
-    let lights = state.data.pixel_lights.len() as u32;
+/// Writes the number of pixel lights that light, and of words for the `bits` of all shadows, into the camera's record.
+fn count(state: &mut State, lights: usize, bits: u32) {
     for camera in &mut state.data.camera {
-        (camera.lights, camera.shadow_words) = (lights, bits.div_ceil(32));
+        (camera.lights, camera.shadow_words) = (lights as u32, bits.div_ceil(32));
     }
 }

@@ -28,7 +28,6 @@ const LIGHTING: &[BufferId] = &[
     BufferId::sky,
     BufferId::sky_rows,
     BufferId::sky_columns,
-    BufferId::reflection_directions,
     BufferId::layer_lights,
     BufferId::scattering_media,
 ];
@@ -39,7 +38,6 @@ struct Layout {
     groups: Vec<Vec<Group>>,
     shadow_words: [u32; 2],
     sky: [u32; 2],
-    directions: usize,
 }
 
 impl Layout {
@@ -49,7 +47,6 @@ impl Layout {
             groups: state.objects.iter().map(|object| object.groups.clone()).collect(),
             shadow_words: [params.shadow_words, state.data.camera.first().map_or(0, |camera| camera.shadow_words)],
             sky: params.sky,
-            directions: state.data.reflection_directions.len(),
         }
     }
 }

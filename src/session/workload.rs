@@ -8,7 +8,7 @@
 use super::run::Session;
 use crate::geometry::placement::placed;
 use crate::geometry::trace::may_meet;
-use crate::layout::{Camera, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, Light, NONE, REFLECTION_NONE};
+use crate::layout::{Camera, LIGHT_DIRECTIONAL, LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light, NONE, REFLECTION_NONE};
 use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::shadow;
 use crate::state::State;
@@ -109,7 +109,11 @@ impl Session {
             let lights = &state.data.pixel_lights;
             let casting: Vec<usize> = (0..lights.len()).filter(|&number| lights[number].shadow != NONE).collect();
             let samples = Some(casting.len() as u64);
-            let light = |number: usize, k, normal| pixel_light(&state.data, casting[number], k, normal);
+            // Rays of reflections are taken to go along the normal.
+            let light = |number: usize, k, normal| match lights[casting[number]].kind {
+                LIGHT_MIRROR_RAY => Light { kind: LIGHT_DIRECTIONAL, place: normal, ..Light::default() },
+                _ => pixel_light(&state.data, casting[number], k, normal),
+            };
             let [facing, boxes] = faces.shadowed(&asking, casting.len(), light);
             let shown =
                 mean(sight.iter().map(|&[origin, direction]| f64::from(u8::from(asking.ahead(origin, direction)))));

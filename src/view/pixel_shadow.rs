@@ -1,12 +1,15 @@
 //! Stage `pixel_shadow`: whether each light reaches the point that a pixel shows, by a ray from that point: shadow
 //! borders are as sharp as the picture, however coarse the triangles. It shadows opaque objects, and the reflections of
-//! lights on all objects.
+//! lights on all objects; and, where an environment is occluded, it traces the rays along which that is reflected.
 
 use rayon::prelude::*;
 
+use super::mirror_ray::{Seen, mirror_ray};
 use super::pixel_receivers::place;
 use crate::error::Result;
-use crate::layout::{BufferId, LIGHT_SKY_RAY, NONE, OPAQUE_BY_PIXEL, ObjectParams, REFLECTION_NONE, Rays};
+use crate::layout::{
+    BufferId, LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light, NONE, OPAQUE_BY_PIXEL, ObjectParams, REFLECTION_NONE, Rays,
+};
 use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::shadow::{RAYS, free};
 use crate::state::{Local, Need, Pass, Role, Scope, Size, Stage, State, Tolerance};
@@ -41,7 +44,12 @@ fn skip(state: &State) -> Option<&'static str> {
 
 /// Whether a light of this kind is needed at the pixels of an object: to light it, or to be reflected.
 fn asked(params: &ObjectParams, kind: u32) -> bool {
-    params.opaque == OPAQUE_BY_PIXEL || (params.reflection != REFLECTION_NONE && kind != LIGHT_SKY_RAY)
+    let reflects = params.reflection != REFLECTION_NONE;
+    match kind {
+        LIGHT_MIRROR_RAY => reflects,
+        LIGHT_SKY_RAY => params.opaque == OPAQUE_BY_PIXEL,
+        _ => params.opaque == OPAQUE_BY_PIXEL || reflects,
+    }
 }
 
 fn cpu(state: &mut State, _at: Scope) {
@@ -55,9 +63,17 @@ fn cpu(state: &mut State, _at: Scope) {
         let params = &data.object_params[state.object_of(hit.face as usize)];
         let origin = place(hit, corners.map(|v| data.in_scene()[v as usize]));
         let normal = place(hit, corners.map(|v| data.normals_in_scene()[v as usize]));
+        let seen = Seen::new(data, hit, corners);
         for &number in &casting {
-            let light = pixel_light(data, number, pixel, normal);
-            let free = asked(params, light.kind) && free(state, hit.face, origin, &light);
+            let light = &data.pixel_lights[number];
+            let reaches = |light: &Light| free(state, hit.face, origin, light);
+            let free = asked(params, light.kind)
+                && if light.kind == LIGHT_MIRROR_RAY {
+                    let ray = mirror_ray(data, light, pixel, &seen, params);
+                    !seen.traced(&ray) || reaches(&ray)
+                } else {
+                    reaches(&pixel_light(data, number, pixel, normal))
+                };
             bits[light.shadow as usize / 32] |= u32::from(free) << (light.shadow % 32);
         }
     });
@@ -67,8 +83,9 @@ fn cpu(state: &mut State, _at: Scope) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
     let others = u32::from(pass.state.method.local.is_some_and(Local::spares_itself));
-    let constants = [pass.state.objects.len() as u32, others];
     for light in (0..data.pixel_lights.len()).filter(|&light| data.pixel_lights[light].shadow != NONE) {
+        let mirror = u32::from(data.pixel_lights[light].kind == LIGHT_MIRROR_RAY);
+        let constants = [pass.state.objects.len() as u32, others, mirror];
         for first in (0..data.hits.len()).step_by(RAYS) {
             let count = RAYS.min(data.hits.len() - first);
             let rays = Rays { object: 0, first: first as u32, count: count as u32, light: light as u32 };

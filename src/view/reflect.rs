@@ -2,8 +2,8 @@
 //! material's boundary, 1 - F_t.
 //!
 //! GGX: D G F / (4 (n.v) (n.l)), F at the facet. Phong: (m + 2) / (2 pi) cos^m F, F at the normal, cos from the
-//! mirror direction. The environment is a sum over [`DIRECTIONS`] fixed facets or directions, distributed as D or as
-//! the lobe. The interpolated vertex normal is used, on the visible side of the triangle; where it faces away at a
+//! mirror direction. The environment is the mean along rays that each pixel and sample draws anew ([`mirror_ray`]), by
+//! the facets that the eye sees or about the mirror direction, each divided by its density. The interpolated vertex normal is used, on the visible side of the triangle; where it faces away at a
 //! silhouette, n.v counts as |n.v|.
 
 use std::f64::consts::{PI, TAU};
@@ -11,10 +11,9 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::mirror_ray::{Seen, mirror_ray};
 use crate::error::Result;
-use crate::layout::{
-    BufferId, Hit, LIGHT_SKY_RAY, Light, ObjectParams, REFLECTION_GGX, REFLECTION_NONE, REFLECTION_PHONG,
-};
+use crate::layout::{BufferId, Hit, LIGHT_SKY_RAY, Light, REFLECTION_GGX, REFLECTION_NONE};
 use crate::lighting::irradiance::{arrival, reaches_pixel};
 use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::{fresnel, sky};
@@ -37,31 +36,23 @@ fn skip(state: &State) -> Option<&'static str> {
     dull.then_some("the material's surface reflects nothing")
 }
 
-/// Number of environment look-ups per pixel.
-pub const DIRECTIONS: u32 = 32;
-
-/// The facets or directions of an object's environment look-ups, about the z axis; only meaningful if it reflects.
-#[must_use]
-pub fn lobe(params: &ObjectParams) -> Vec<[f32; 3]> {
-    let shape = f64::from(params.roughness);
-    let direction = |k: u32| {
-        // A golden-ratio lattice in the unit square, mapped to the distribution of the lobe.
-        let u = (f64::from(k) + 0.5) / f64::from(DIRECTIONS);
-        let turn = TAU * (f64::from(k) * 0.618_033_988_749_894_9).fract();
-        let cosine = match params.reflection {
-            REFLECTION_PHONG => (1.0 - u).powf(1.0 / (shape + 1.0)),
-            _ => ((1.0 - u) / (1.0 + (shape * shape - 1.0) * u)).sqrt(),
-        };
-        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-        narrow(DVec3::new(sine * turn.cos(), sine * turn.sin(), cosine))
-    };
-    (0..DIRECTIONS).map(direction).collect()
-}
-
 /// G / (4 (n.v) (n.l)) with Smith's lambda for GGX.
 fn masking(alpha: f64, seen: f64, lights: f64) -> f64 {
     let slope = |cosine: f64| (alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine).sqrt();
     0.5 / (lights * slope(seen) + seen * slope(lights)).max(1e-30)
+}
+
+/// GGX with its cosine, without Fresnel's factor, divided by the density of facets as the eye sees them: G2 / G1.
+fn facet_weight(alpha: f64, seen: f64, cosine: f64) -> f64 {
+    let slope = |cosine: f64| (alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine).sqrt();
+    cosine * (seen + slope(seen)) / (cosine * slope(seen) + seen * slope(cosine)).max(1e-30)
+}
+
+/// Phong's lobe (m + 2) / (2 pi) c^m, by the cosine to the mirror direction, divided by the density D(c) c of the facets
+/// that stand for it.
+fn phong_weight(exponent: f64, cosine: f64) -> f64 {
+    let a2 = 4.0 / (exponent + 3.0);
+    (0.5 * exponent + 1.0) * cosine.powf(exponent - 1.0) * (1.0 + (a2 - 1.0) * cosine * cosine).powi(2) / a2
 }
 
 /// D of a facet, by the cosine of its angle to the normal.
@@ -97,7 +88,7 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
         |cosine: f64| DVec3::from_array(params.eta.map(|eta| 1.0 - fresnel::transmittance(eta.into(), cosine)));
 
     let mut sum = DVec3::ZERO;
-    for number in (0..data.pixel_lights.len()).filter(|&number| !sky_ray(&data.pixel_lights[number])) {
+    for number in (0..camera.lights as usize).filter(|&number| !sky_ray(&data.pixel_lights[number])) {
         let light = pixel_light(data, number, pixel, narrow(normal));
         let (toward, falloff) = arrival(&light, point);
         let cosine = normal.dot(toward);
@@ -113,26 +104,21 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
         sum += wide(light.color) * reflectance(met) * (falloff * cosine * lobe);
     }
 
-    // The environment, in a frame about the lobe's axis.
-    let axis = if ggx { normal } else { mirror };
-    let flat = |v: DVec3| v - v.dot(axis) * axis;
-    let right = flat(wide(camera.right).normalize_or_zero());
-    let across = if right.length_squared() < 1e-6 { flat(wide(camera.up)) } else { right }.normalize_or_zero();
-    let other = axis.cross(across);
-    for &local in data.reflection_directions.iter().skip(object * DIRECTIONS as usize).take(DIRECTIONS as usize) {
-        let drawn = across * f64::from(local[0]) + other * f64::from(local[1]) + axis * f64::from(local[2]);
-        let (direction, met, weight) = if ggx {
-            let met = eye.dot(drawn).max(0.0);
-            let direction = 2.0 * met * drawn - eye;
-            let cosine = normal.dot(direction).max(0.0);
-            (direction, met, 4.0 * cosine * masking(shape, seen, cosine) * met / f64::from(local[2]))
+    // The environment. The eye is taken to be above the surface, as its facets are.
+    let upper = eye - 2.0 * normal.dot(eye).min(0.0) * normal;
+    let seen_point = Seen::new(data, hit, *corners);
+    let (rays, mut mirrored) = (&data.pixel_lights[camera.lights as usize..], DVec3::ZERO);
+    for ray in rays.iter().filter(|ray| reaches_pixel(data, ray, pixel)) {
+        let direction = wide(mirror_ray(data, ray, pixel, &seen_point, params).place);
+        let cosine = normal.dot(direction).max(0.0);
+        let (met, weight) = if ggx {
+            ((0.5 + 0.5 * upper.dot(direction)).max(0.0).sqrt(), facet_weight(shape, seen, cosine))
         } else {
-            let met = normal.dot(drawn).max(0.0);
-            (drawn, met, met * (shape + 2.0) / (shape + 1.0))
+            (cosine, cosine * phong_weight(shape, mirror.dot(direction).max(0.0)))
         };
-        sum += sky::radiance(data, direction) * reflectance(met) * (weight / f64::from(DIRECTIONS));
+        mirrored += sky::radiance(data, direction) * reflectance(met) * weight;
     }
-    sum
+    sum + mirrored / rays.len().max(1) as f64
 }
 
 fn cpu(state: &mut State, _at: Scope) {
@@ -144,17 +130,17 @@ fn cpu(state: &mut State, _at: Scope) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let data = &pass.state.data;
-    let pixels = data.radiance.len();
+    let (data, camera) = (&pass.state.data, &pass.state.data.camera[0]);
+    let (pixels, shadows) = (data.radiance.len(), u32::from(camera.shadow_words > 0));
+    let (lights, rays) = data.pixel_lights.split_at(camera.lights as usize);
     for (object, params) in (0u32..).zip(&data.object_params).filter(|(_, params)| params.reflection != REFLECTION_NONE)
     {
         let (ggx, push) = (u32::from(params.reflection == REFLECTION_GGX), object.to_le_bytes());
-        if !data.pixel_lights.iter().all(sky_ray) {
-            let shadows = u32::from(data.camera[0].shadow_words > 0);
+        if !lights.iter().all(sky_ray) {
             pass.dispatch(Some("lights"), &[shadows, ggx], &push, pixels)?;
         }
-        if !data.reflection_directions.is_empty() {
-            pass.dispatch(Some("environment"), &[ggx, DIRECTIONS], &push, pixels)?;
+        if !rays.is_empty() {
+            pass.dispatch(Some("environment"), &[shadows, ggx, rays.len() as u32], &push, pixels)?;
         }
     }
     Ok(())
@@ -162,7 +148,72 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::mirror_ray::drawn;
     use super::*;
+    use crate::geometry::random::unit_random;
+    use crate::layout::{ObjectParams, SQUARE_STEPS};
+
+    /// Directional albedo, and the mean of a smooth environment, of a lobe seen at this cosine: by quadrature over the
+    /// sphere, and along so many rays.
+    fn albedo(reflection: u32, shape: f32, seen: f64, rays: u32) -> [[f64; 2]; 2] {
+        let params = ObjectParams { reflection, roughness: shape, ..ObjectParams::default() };
+        let (alpha, eye) = (f64::from(shape), DVec3::new((1.0 - seen * seen).sqrt(), 0.0, seen));
+        let mirror = DVec3::new(-eye.x, 0.0, eye.z);
+        let ggx = reflection == REFLECTION_GGX;
+        let sky = |way: DVec3| [1.0, 1.0 + way.x + way.z * way.z + 0.5 * way.y * way.x];
+        let (mut exact, mut found) = ([0.0; 2], [0.0; 2]);
+        let steps = 1200;
+        for k in 0..steps * steps {
+            let (z, turn) =
+                ((f64::from(k / steps) + 0.5) / f64::from(steps), TAU * f64::from(k % steps) / f64::from(steps));
+            let across = (1.0 - z * z).sqrt();
+            let way = DVec3::new(across * turn.cos(), across * turn.sin(), z);
+            let lobe = if ggx {
+                facets(alpha, (eye + way).normalize().z) * masking(alpha, seen, z)
+            } else {
+                (alpha + 2.0) / TAU * mirror.dot(way).max(0.0).powf(alpha)
+            };
+            let share = lobe * z * TAU / f64::from(steps * steps);
+            (0..2).for_each(|c| exact[c] += share * sky(way)[c]);
+        }
+        for k in 0..rays {
+            let square = SQUARE_STEPS.map(|step| unit_random(k.wrapping_mul(step)));
+            let way = wide(drawn(square, [0.0, 0.0, 1.0], narrow(eye), &params));
+            assert!((way.length() - 1.0).abs() < 1e-5, "{way}");
+            let z = way.z.max(0.0);
+            let weight =
+                if ggx { facet_weight(alpha, seen, z) } else { z * phong_weight(alpha, mirror.dot(way).max(0.0)) };
+            assert!((0.0..=2.01).contains(&weight), "{shape}: a ray that counts {weight} times");
+            (0..2).for_each(|c| found[c] += weight * sky(way)[c] / f64::from(rays));
+        }
+        [exact, found]
+    }
+
+    #[test]
+    fn rays_have_the_mean_of_their_lobe_and_come_nearer_the_more_there_are() {
+        for (reflection, shape) in [(2, 0.1), (2, 0.3), (2, 1.0), (1, 1.0), (1, 5.0), (1, 200.0)] {
+            for seen in [0.15, 0.6, 1.0] {
+                let off = |rays| {
+                    let [exact, found] = albedo(reflection, shape, seen, rays);
+                    [0, 1].map(|c| (found[c] / exact[c] - 1.0).abs()).into_iter().fold(0.0, f64::max)
+                };
+                let (few, many) = (off(64), off(4096));
+                assert!(few < 0.1 && many < 2e-3, "{reflection}, {shape}, {seen}: {few} {many}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_mirror_has_one_direction() {
+        let params = ObjectParams { reflection: REFLECTION_GGX, roughness: 0.001, ..ObjectParams::default() };
+        let normal = wide([0.6, 0.0, 0.8]);
+        let eye = DVec3::new(0.1, 0.3, 0.9).normalize();
+        let mirror = 2.0 * normal.dot(eye) * normal - eye;
+        for square in [[0.1, 0.2], [0.5, 0.9], [0.9, 0.6]] {
+            let way = wide(drawn(square, narrow(normal), narrow(eye), &params));
+            assert!(way.distance(mirror) < 0.01, "{way} {mirror}");
+        }
+    }
 
     #[test]
     fn facets_cover_the_plane_once() {

@@ -43,7 +43,7 @@ fn radiance(state: &State, pixel: usize, hit: &Hit) -> Option<[f32; 3]> {
     let normal = normal.normalize_or_zero();
     let blended = place(hit, corners.map(|v| data.normals_in_scene()[v as usize]));
     let lights: Vec<Light> =
-        (0..data.pixel_lights.len()).map(|number| pixel_light(data, number, pixel, blended)).collect();
+        (0..camera.lights as usize).map(|number| pixel_light(data, number, pixel, blended)).collect();
     let reaches = |light: &Light| reaches_pixel(data, light, pixel);
     let arrives = entering(data, params, [point, normal], (&lights, SkyRays::ByCosine), &reaches);
     let toward = (wide(camera.origin) - point).normalize_or_zero();

@@ -1,5 +1,6 @@
 //! The look of pictures: light that leaves, reflections, backgrounds, tone; and what is refused.
 
+use glam::DVec3;
 use std::f64::consts::PI;
 
 use crate::shell::{bad, bytes, folder, good, read};
@@ -70,6 +71,72 @@ fn a_mirror_in_a_white_sky_reflects_its_fresnel_share() {
             }
         }
         assert!(seen > 300, "{seen}");
+    }
+}
+
+/// Two black mirrors of 20 mm under a white sky, the right one half hidden by nothing but the left one.
+#[test]
+fn a_reflection_shows_what_hides_the_environment() {
+    let mirror = "material={ opaque = true, albedo = 0, eta = 20, reflection = 'ggx', roughness = 0.001 }";
+    let picture = |occlusion: u32| {
+        let sets = [
+            format!("light.0={{ type = 'environment', radiance = 1, occlusion = {occlusion} }}"),
+            format!("object.0.{mirror}"),
+            format!("object.1={{ shape = 'sphere', detail = 4, size = 20, position = [24, 0, 0], {mirror} }}"),
+            "object.0.detail=4".into(),
+            "object.0.size=20".into(),
+            "camera.position=[12, 0, 200]".into(),
+            "camera.target=[12, 0, 0]".into(),
+            "camera.fov=16".into(),
+        ];
+        let mut session = session(&sets.iter().map(String::as_str).collect::<Vec<_>>());
+        (session.picture().unwrap().pixels, session.state().data.hits.clone())
+    };
+    let ((free, hits), (hidden, _)) = (picture(0), picture(64));
+    let (mut lit, mut dark, mut expected) = (0, 0, 0);
+    for (pixel, _) in hits.iter().enumerate().filter(|(_, hit)| hit.face != u32::MAX) {
+        if hidden[pixel][0] > 0.9 * free[pixel][0] {
+            lit += 1;
+        } else {
+            // A few rays may pass the edge.
+            assert!(hidden[pixel][0] < free[pixel][0], "{pixel}");
+            dark += 1;
+        }
+        // The ray from the eye, mirrored at the ball that it meets, meets the other one.
+        let (column, row) = ((pixel % 48) as f64 - 23.5, 19.5 - (pixel / 48) as f64);
+        let up = (8f64.to_radians()).tan() / 20.0;
+        let (eye, way) = (DVec3::new(12.0, 0.0, 200.0), DVec3::new(column * up, row * up, -1.0).normalize());
+        let meets = |from: DVec3, way: DVec3, ball: DVec3| {
+            let along = (ball - from).dot(way);
+            let left = 100.0 - (ball - from - along * way).length_squared();
+            (left > 0.0 && along > 0.0).then(|| from + (along - left.sqrt()) * way)
+        };
+        let balls = [DVec3::ZERO, DVec3::new(24.0, 0.0, 0.0)];
+        let met = [0, 1].into_iter().find_map(|k| Some((k, meets(eye, way, balls[k])?)));
+        if let Some((ball, point)) = met {
+            let normal = (point - balls[ball]) / 10.0;
+            let mirrored = way - 2.0 * way.dot(normal) * normal;
+            expected += usize::from(meets(point, mirrored, balls[1 - ball]).is_some());
+        }
+    }
+    assert!(lit > 5 * dark && dark > 20, "{lit} {dark}");
+    assert!(dark.abs_diff(expected) <= 2 + expected / 5, "{dark} {expected}");
+}
+
+#[test]
+fn further_samples_bring_a_reflection_nearer_to_its_mean() {
+    let error = |shape: &str, samples: u32, mean: &[[f32; 3]]| {
+        let camera = format!("camera={{ position = [0, 0, 25], target = [0, 0, 0], fov = 20, samples = {samples} }}");
+        let sky = "light.0={ type = 'environment', image = 'builtin:studio' }";
+        let black = format!("object.0.material={{ opaque = true, albedo = 0, reflection = {shape} }}");
+        let picture = picture(&mut session(&[sky, &black, &camera, "object.0.size=20"])).unwrap().pixels;
+        let off = |(a, b): (&[f32; 3], &[f32; 3])| f64::from(a[1] - b[1]).powi(2);
+        (picture.iter().zip(mean).map(off).sum::<f64>().sqrt(), picture)
+    };
+    for shape in ["'ggx', roughness = 0.3", "'phong', shininess = 20"] {
+        let (_, mean) = error(shape, 64, &[]);
+        let [two, sixteen] = [2, 16].map(|samples| error(shape, samples, &mean).0);
+        assert!(two > 0.0 && sixteen < 0.5 * two, "{shape}: {two} {sixteen}");
     }
 }
 
@@ -151,19 +218,20 @@ fn a_plan_has_no_look_that_is_not_asked_for() {
         let plan: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
         let has = |list: &str, key: &str, name: &str| plan[list].as_array().unwrap().iter().any(|row| row[key] == name);
         let stage = |name: &str| has("stages", "stage", name);
-        [
-            stage("reflect"),
-            stage("backdrop"),
-            has("buffers", "buffer", "reflection_directions"),
-            has("buffers", "buffer", "sky"),
-        ]
+        [stage("reflect"), stage("backdrop"), stage("pixel_shadow"), has("buffers", "buffer", "sky")]
     };
     let sky = "--set light.1={type='environment',radiance=1}";
+    let hidden = "--set light.1={type='environment',radiance=1,occlusion=8}";
     let (ggx, seen) = ("--set object.0.material.reflection=ggx", "--set camera.background=environment");
     assert_eq!(plan(""), [false; 4]);
-    assert_eq!(plan(ggx), [true, false, false, false]);
+    assert_eq!(plan(ggx), [true, false, true, false]);
     assert_eq!(plan(sky), [false, false, false, true]);
     assert_eq!(plan(&format!("{sky} {ggx}")), [true, false, true, true]);
+    // Rays are traced only where something can hide the environment, and something reflects it.
+    let unshadowed = "--set light.0.shadows=false";
+    assert_eq!(plan(&format!("{sky} {unshadowed} {ggx}")), [true, false, false, true]);
+    assert_eq!(plan(&format!("{hidden} {unshadowed} {ggx}")), [true, false, true, true]);
+    assert_eq!(plan(&format!("{hidden} {unshadowed}")), [false, false, false, true]);
     assert_eq!(plan(&format!("{sky} {seen}")), [false, true, false, true]);
     assert_eq!(plan(&format!("{ggx} --set light.0.irradiance=0")), [false; 4]);
 }

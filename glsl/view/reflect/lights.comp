@@ -21,21 +21,12 @@ UPDATES(radiance)
 #define LIT_WORDS camera[0].shadow_words
 #include "lighting/arrival.glsl"
 #include "view/surface.glsl"
+#include "view/lobe.glsl"
 #include "geometry/sight.glsl"
 #include "geometry/exact.glsl"
 #include "geometry/turn.glsl"
 #include "geometry/random.glsl"
 #include "lighting/pixel_light.glsl"
-
-// A cosine to the power of a whole number up to 1023.
-float power(float cosine, uint exponent) {
-    float value = 1.0, base = max(cosine, 0.0);
-    for (uint bit = 0; bit < 10; ++bit) {
-        value *= (exponent >> bit & 1u) != 0 ? base : 1.0;
-        base *= base;
-    }
-    return value;
-}
 
 void main() {
     uint pixel = invocation();
