@@ -1,5 +1,9 @@
 // The lobes of reflection: GGX and Phong.
 
+vec3 unit(vec3 v) {
+    return v / sqrt(max(dot(v, v), 1e-30));
+}
+
 // Microfacets (Walter et al. 2007): G / (4 (n.v) (n.l)), masking and shadowing together as in Heitz 2014, equation 99.
 float masking(float alpha, float seen, float lights) {
     float a2 = alpha * alpha;
@@ -7,11 +11,18 @@ float masking(float alpha, float seen, float lights) {
     return 0.5 / max(sum, 1e-30);
 }
 
-// GGX with its cosine, without Fresnel's factor, divided by the density of facets as the eye sees them: G2 / G1.
-float facet_weight(float alpha, float seen, float cosine) {
-    float a2 = alpha * alpha, slope = sqrt(seen * seen * (1.0 - a2) + a2);
-    float sum = cosine * slope + seen * sqrt(cosine * cosine * (1.0 - a2) + a2);
-    return cosine * (seen + slope) / max(sum, 1e-30);
+// D of the facet between two directions.
+float facet_density(float alpha, vec3 normal, vec3 facet) {
+    vec3 aside = cross(normal, facet);
+    float along = dot(normal, facet), spread = alpha * alpha * along * along + dot(aside, aside);
+    return alpha * alpha / (3.14159265358979 * spread * spread);
+}
+
+// GGX without Fresnel's factor in a direction, and the density of rays there by facets as the eye sees them.
+vec2 facet_lobe(float alpha, vec3 normal, float seen, vec3 eye, vec3 direction) {
+    float facets = facet_density(alpha, normal, unit(eye + direction));
+    float slope = sqrt(seen * seen * (1.0 - alpha * alpha) + alpha * alpha);
+    return facets * vec2(masking(alpha, seen, max(dot(normal, direction), 0.0)), 0.5 / (seen + slope));
 }
 
 // A cosine to the power of a whole number up to 1023.
@@ -24,10 +35,9 @@ float power(float cosine, uint exponent) {
     return value;
 }
 
-// Phong's lobe about `mirror` in a direction, divided by the density D(c) c of the facets that stand for it.
-float phong_weight(float exponent, vec3 mirror, vec3 direction) {
-    float cosine = max(dot(mirror, direction), 0.0), a2 = 4.0 / (exponent + 3.0);
-    vec3 aside = cross(mirror, direction);
-    float spread = a2 * cosine * cosine + dot(aside, aside);
-    return (0.5 * exponent + 1.0) * power(cosine, uint(exponent) - 1) * spread * spread / a2;
+// Phong's lobe without Fresnel's factor in a direction, and the density of rays there by the facets that stand for it.
+vec2 phong_lobe(float exponent, vec3 mirror, vec3 direction) {
+    float cosine = max(dot(mirror, direction), 0.0), alpha = sqrt(4.0 / (exponent + 3.0));
+    float lobe = (exponent + 2.0) / (2.0 * 3.14159265358979) * power(cosine, uint(exponent));
+    return vec2(lobe, facet_density(alpha, mirror, direction) * cosine);
 }

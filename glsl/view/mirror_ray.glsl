@@ -1,5 +1,5 @@
-// Rays to the environment from a surface that reflects it, drawn from the lobe in which it mirrors the eye: other ones in
-// each pixel and sample. Additions, multiplications and comparisons only: the same bits on every device.
+// Rays to the environment from a surface that reflects it, drawn from the lobe in which it mirrors the eye, or from where
+// the environment is bright: other ones in each pixel and sample. Additions, multiplications and comparisons only: the same bits on every device.
 
 // A point of the surface, as the eye sees it.
 struct Seen {
@@ -48,12 +48,45 @@ vec3 facet_seen(vec2 square, vec3 local, float alpha) {
     return unit_of(facet);
 }
 
+// A place of the octahedron's upper half on the lower one, and back.
+vec2 folded(vec2 place) {
+    precise vec2 across = 1.0 - abs(place.yx);
+    return vec2(place.x < 0.0 ? -across.x : across.x, place.y < 0.0 ? -across.y : across.y);
+}
+
+// The cell of the octahedral map in which a direction lies: x and y of the octahedron |x| + |y| + |z| = 1, its lower half
+// folded outwards.
+uint cell_of(vec3 way) {
+    precise float sum = abs(way.x) + abs(way.y) + abs(way.z);
+    float by = inverse_of(sum);
+    precise vec2 place = way.xy * by;
+    if (way.z < 0.0) place = folded(place);
+    precise vec2 cell = clamp((place * 0.5 + 0.5) * float(SKY_CELLS), 0.0, float(SKY_CELLS - 1));
+    return uint(cell.y) * SKY_CELLS + uint(cell.x);
+}
+
+// The direction to a place in a cell that is drawn by the alias method.
+vec3 bright(Light light, uint pixel) {
+    uint point = camera[0].sample_number * light.of + light.number;
+    uint cell = (random4(pixel, light.kind, 0, 0).x + point * SQUARE_STEPS[0]) >> 16;
+    uvec4 bits = random4(pixel, light.kind, point, 1);
+    SkyCell drawn = sky_cells[cell];
+    if (bits.z >> 16 >= drawn.kept) cell = drawn.other;
+    vec2 within = vec2(unit_random(bits.x), unit_random(bits.y));
+    precise vec2 place = (vec2(cell % SKY_CELLS, cell / SKY_CELLS) + within) * (2.0 / float(SKY_CELLS)) - 1.0;
+    precise float z = 1.0 - abs(place.x) - abs(place.y);
+    if (z < 0.0) place = folded(place);
+    return unit_of(vec3(place, z));
+}
+
 // The ray to the environment that stands for this record in a pixel; its place is the direction, about unit length.
 Light mirror_ray(Light light, uint pixel, Seen seen, float shape, bool ggx) {
     vec2 square = square_point(light, pixel);
     float along = dot3(seen.normal, seen.eye);
     vec3 way;
-    if (ggx) {
+    if (light.kind == LIGHT_BRIGHT_RAY) {
+        way = bright(light, pixel);
+    } else if (ggx) {
         vec3 right, up;
         across_axis(seen.normal, right, up);
         vec3 local = vec3(dot3(right, seen.eye), dot3(up, seen.eye), abs(along));

@@ -17,6 +17,7 @@ READS(placed_normals)
 READS(triangles)
 READS(placed_bounds)
 READS(hits)
+READS(sky_cells)
 UPDATES(pixel_lit)
 UPDATES(cut_short)
 #include "geometry/blend.glsl"

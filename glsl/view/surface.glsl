@@ -7,10 +7,6 @@ struct Surface {
     vec3 toward; // unit direction to the eye
 };
 
-vec3 unit(vec3 v) {
-    return v / sqrt(max(dot(v, v), 1e-30));
-}
-
 Surface surface(Hit hit) {
     uvec3 corner = triangles[hit.face];
     vec3 weight = CORNER_WEIGHTS(hit);

@@ -21,6 +21,8 @@ buffers! {
     sky_rows: SkyRow, row;
     /// Integrals over its columns.
     sky_columns: SkyColumn, column;
+    /// The octahedral map of where it is bright; empty if that is nearly even, or nothing reflects it.
+    sky_cells: SkyCell, cell;
     /// Sums of image times harmonic, nine a block of pixels; the first nine are the environment's coefficients.
     harmonics: [f32; 3], patch;
     /// The camera; one element.

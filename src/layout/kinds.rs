@@ -20,6 +20,8 @@ constants! {
     LIGHT_SKY_RAY: u32 = 5;
     /// A ray to the environment, drawn from the lobe in which a surface reflects what the eye sees.
     LIGHT_MIRROR_RAY: u32 = 6;
+    /// The same, drawn from where the environment is bright.
+    LIGHT_BRIGHT_RAY: u32 = 7;
 
     /// `Deform.kind`: a twist about an axis.
     DEFORM_TWIST: u32 = 1;

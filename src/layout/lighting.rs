@@ -53,6 +53,16 @@ records! { light_records:
         /// The light.
         light: u32,
     }
+    /// A cell of the octahedral map of directions, from which rays to where the environment is bright are drawn: by the
+    /// alias method, with whole numbers.
+    SkyCell {
+        /// Of 65,536 draws of this cell, those that it keeps.
+        kept: u32,
+        /// The cell that takes the others.
+        other: u32,
+        /// The density of its draws on the map: the probability divided by the area.
+        density: f32,
+    }
     /// Integrals over the polar angle t of one row of the environment's image, times sin t.
     SkyRow {
         /// Of 1, cos t, sin t.

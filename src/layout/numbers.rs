@@ -58,6 +58,8 @@ constants! {
     LEAST_SEEN: f32 = 0.2;
     /// The plastic number's powers -1 and -2, times 2^32: steps of a sequence that fills the unit square evenly.
     SQUARE_STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
+    /// Cells along a side of the octahedral map of directions; its square is 2^16, since 16 bits choose a cell.
+    SKY_CELLS: u32 = 256;
     /// Spherical harmonics of degree 0 to 2.
     SKY_HARMONICS: usize = 9;
 

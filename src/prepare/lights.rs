@@ -6,10 +6,11 @@ use rayon::prelude::*;
 use super::blocks::group;
 use super::layers::beams;
 use super::pixel_lights::pixel_lights;
+use super::sky_cells::sky_cells;
 use super::units::Units;
 use crate::layout::{
-    LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SKY_RAY, LIGHT_SPOT, Light as Record, SkyColumn,
-    SkyRow,
+    LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SKY_RAY, LIGHT_SPOT, Light as Record,
+    REFLECTION_NONE, SkyColumn, SkyRow,
 };
 use crate::lighting::sky::fibonacci_direction;
 use crate::scene::{Light, Object, Sky, Source};
@@ -39,7 +40,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
         params.shadow_words = bits.div_ceil(32);
         params.sky = [0; 2];
     }
-    (state.data.sky, state.data.sky_rows, state.data.sky_columns) = Default::default();
+    (state.data.sky, state.data.sky_rows, state.data.sky_columns, state.data.sky_cells) = Default::default();
     for light in lights {
         if let Source::Environment { sky, .. } = &light.source
             && sky.brightest() != [0.0; 3]
@@ -188,6 +189,9 @@ fn tables(state: &mut State, sky: &Sky, unit: f64) {
     };
     data.sky_rows = (0..sky.size[1]).map(row).collect();
     data.sky_columns = (0..sky.size[0]).map(column).collect();
+    if data.object_params.iter().any(|params| params.reflection != REFLECTION_NONE) {
+        data.sky_cells = sky_cells(data);
+    }
 }
 
 #[cfg(test)]

@@ -20,6 +20,7 @@ pub mod shading;
 pub mod shape;
 pub mod single_scattering;
 mod skins;
+pub mod sky_cells;
 pub(crate) mod texture_charts;
 pub(crate) mod textures;
 pub mod units;

@@ -6,7 +6,7 @@
 
 use super::lights::record_of;
 use super::units::Units;
-use crate::layout::{LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light as Record, NONE, REFLECTION_NONE};
+use crate::layout::{LIGHT_BRIGHT_RAY, LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light as Record, NONE, REFLECTION_NONE};
 use crate::scene::{Light, Source};
 use crate::state::{Local, Object, State, narrow};
 
@@ -17,14 +17,17 @@ const FEWEST_RAYS: usize = 4;
 /// environment. A picture of many samples takes a quarter of them in each.
 const MOST_MIRROR_RAYS: [usize; 2] = [8, 32];
 
-/// The rays along which an environment is reflected, for one sample of so many.
-fn mirror_rays(occlusion: u32, samples: usize) -> Vec<Record> {
+/// The rays along which an environment is reflected, for one sample of so many; half of them go where it is bright, if
+/// some places are much brighter than others.
+fn mirror_rays(occlusion: u32, samples: usize, uneven: bool) -> Vec<Record> {
     let hidden = occlusion > 0;
     let most = MOST_MIRROR_RAYS[usize::from(!hidden)];
     let rays = (4 * most / samples.max(1)).clamp(most / 4, most) as u32;
     let shadow = if hidden { 0 } else { NONE };
-    let ray = Record { kind: LIGHT_MIRROR_RAY, of: rays, shadow, ..Record::default() };
-    (0..rays).map(|number| Record { number, ..ray }).collect()
+    let kinds = if uneven { &[LIGHT_MIRROR_RAY, LIGHT_BRIGHT_RAY][..] } else { &[LIGHT_MIRROR_RAY] };
+    let of = rays / kinds.len() as u32;
+    let rays = |&kind| (0..of).map(move |number| Record { kind, of, number, shadow, ..Record::default() });
+    kinds.iter().flat_map(rays).collect()
 }
 
 /// Writes `pixel_lights` and their numbers in the camera's record; none where no pixel needs them.
@@ -46,7 +49,7 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
             && reflects
             && sky.brightest() != [0.0; 3]
         {
-            mirrored = mirror_rays(*occlusion, samples);
+            mirrored = mirror_rays(*occlusion, samples, !state.data.sky_cells.is_empty());
         }
         match &light.source {
             Source::Environment { .. } if !plain || share == 0 || light.color() == [0.0; 3] => {}

@@ -28,6 +28,7 @@ const LIGHTING: &[BufferId] = &[
     BufferId::sky,
     BufferId::sky_rows,
     BufferId::sky_columns,
+    BufferId::sky_cells,
     BufferId::layer_lights,
     BufferId::scattering_media,
 ];
@@ -38,6 +39,7 @@ struct Layout {
     groups: Vec<Vec<Group>>,
     shadow_words: [u32; 2],
     sky: [u32; 2],
+    cells: usize,
 }
 
 impl Layout {
@@ -47,6 +49,7 @@ impl Layout {
             groups: state.objects.iter().map(|object| object.groups.clone()).collect(),
             shadow_words: [params.shadow_words, state.data.camera.first().map_or(0, |camera| camera.shadow_words)],
             sky: params.sky,
+            cells: state.data.sky_cells.len(),
         }
     }
 }

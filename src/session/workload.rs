@@ -8,7 +8,9 @@
 use super::run::Session;
 use crate::geometry::placement::placed;
 use crate::geometry::trace::may_meet;
-use crate::layout::{Camera, LIGHT_DIRECTIONAL, LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light, NONE, REFLECTION_NONE};
+use crate::layout::{
+    Camera, LIGHT_BRIGHT_RAY, LIGHT_DIRECTIONAL, LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light, NONE, REFLECTION_NONE,
+};
 use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::shadow;
 use crate::state::State;
@@ -111,7 +113,9 @@ impl Session {
             let samples = Some(casting.len() as u64);
             // Rays of reflections are taken to go along the normal.
             let light = |number: usize, k, normal| match lights[casting[number]].kind {
-                LIGHT_MIRROR_RAY => Light { kind: LIGHT_DIRECTIONAL, place: normal, ..Light::default() },
+                LIGHT_MIRROR_RAY | LIGHT_BRIGHT_RAY => {
+                    Light { kind: LIGHT_DIRECTIONAL, place: normal, ..Light::default() }
+                }
                 _ => pixel_light(&state.data, casting[number], k, normal),
             };
             let [facing, boxes] = faces.shadowed(&asking, casting.len(), light);

@@ -2,7 +2,8 @@
 //! `glsl/view/mirror_ray.glsl`.
 //!
 //! GGX: microfacets as the eye sees them, by spherical caps (Dupuy and Benyoub 2023). Phong: about the mirror direction,
-//! by the distribution of microfacets that is nearest to the lobe, [`narrowing`]. Numbers are those of [`square_point`]: other
+//! by the distribution of microfacets that is nearest to the lobe, [`narrowing`]. Where the environment is uneven, half
+//! of the rays go where it is bright, by cells of an octahedral map. Numbers are those of [`square_point`]: other
 //! ones in each pixel and sample. All arithmetic is in `f32`, with the same bits on every device, since rays decide what
 //! is hidden.
 
@@ -10,10 +11,13 @@ use super::pixel_receivers::place;
 use crate::geometry::deform::turn;
 use crate::geometry::exact::{inverse, kept_unit, root, unit};
 use crate::geometry::plane::Plane;
-use crate::geometry::random::{about, across_axis};
+use crate::geometry::random::{about, across_axis, random4, unit_random};
 use crate::geometry::trace::{dot, minus};
-use crate::layout::{Buffers, Hit, LIGHT_SKY_RAY, Light, ObjectParams, REFLECTION_GGX};
+use crate::layout::{
+    Buffers, Hit, LIGHT_BRIGHT_RAY, LIGHT_SKY_RAY, Light, ObjectParams, REFLECTION_GGX, SKY_CELLS, SQUARE_STEPS,
+};
 use crate::lighting::pixel_light::square_point;
+use crate::state::wide;
 
 /// A point of the surface, as the eye sees it.
 pub struct Seen {
@@ -54,10 +58,55 @@ fn narrowing(exponent: f32) -> f32 {
     4.0 * inverse(exponent + 3.0) - 1.0
 }
 
+/// The cell of the octahedral map in which a direction lies: x and y of the octahedron |x| + |y| + |z| = 1, its lower half
+/// folded outwards.
+#[must_use]
+pub fn cell_of(way: [f32; 3]) -> u32 {
+    let [x, y, z] = way;
+    let by = inverse(x.abs() + y.abs() + z.abs());
+    let (x, y) = (x * by, y * by);
+    let [x, y] = if z < 0.0 { folded(x, y) } else { [x, y] };
+    let [column, row] = [x, y].map(|x| ((x * 0.5 + 0.5) * SKY_CELLS as f32).clamp(0.0, (SKY_CELLS - 1) as f32) as u32);
+    row * SKY_CELLS + column
+}
+
+/// A place of the octahedron's upper half on the lower one, and back.
+fn folded(x: f32, y: f32) -> [f32; 2] {
+    let (across, along) = (1.0 - y.abs(), 1.0 - x.abs());
+    [if x < 0.0 { -across } else { across }, if y < 0.0 { -along } else { along }]
+}
+
+/// The direction to a place in a cell that is drawn by the alias method.
+#[must_use]
+pub fn bright(data: &Buffers, light: &Light, pixel: usize) -> [f32; 3] {
+    let point = data.camera[0].sample_number.wrapping_mul(light.of).wrapping_add(light.number);
+    let [shift, ..] = random4(pixel as u32, light.kind, 0, 0);
+    let cell = shift.wrapping_add(point.wrapping_mul(SQUARE_STEPS[0])) >> 16;
+    let [across, along, kept, _] = random4(pixel as u32, light.kind, point, 1);
+    let drawn = &data.sky_cells[cell as usize];
+    let cell = if kept >> 16 < drawn.kept { cell } else { drawn.other };
+    let at = |n: u32, bits| (n as f32 + unit_random(bits)) * (2.0 / SKY_CELLS as f32) - 1.0;
+    let (x, y) = (at(cell % SKY_CELLS, across), at(cell / SKY_CELLS, along));
+    let z = 1.0 - x.abs() - y.abs();
+    let [x, y] = if z < 0.0 { folded(x, y) } else { [x, y] };
+    unit([x, y, z])
+}
+
+/// The density of such directions, by solid angle.
+#[must_use]
+pub fn bright_density(data: &Buffers, direction: [f32; 3]) -> f64 {
+    let way = wide(direction);
+    let whole = way.abs().element_sum();
+    f64::from(data.sky_cells[cell_of(direction) as usize].density) * (way.length() / whole).powi(3)
+}
+
 /// The ray to the environment that stands for this record in a pixel; its place is the direction, about unit length.
 #[must_use]
 pub fn mirror_ray(data: &Buffers, light: &Light, pixel: usize, seen: &Seen, params: &ObjectParams) -> Light {
-    let place = drawn(square_point(data, light, pixel), seen.normal, seen.eye, params);
+    let place = match light.kind {
+        LIGHT_BRIGHT_RAY => bright(data, light, pixel),
+        _ => drawn(square_point(data, light, pixel), seen.normal, seen.eye, params),
+    };
     Light { kind: LIGHT_SKY_RAY, place, ..*light }
 }
 

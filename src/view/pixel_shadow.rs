@@ -8,7 +8,8 @@ use super::mirror_ray::{Seen, mirror_ray};
 use super::pixel_receivers::place;
 use crate::error::Result;
 use crate::layout::{
-    BufferId, LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light, NONE, OPAQUE_BY_PIXEL, ObjectParams, REFLECTION_NONE, Rays,
+    BufferId, LIGHT_BRIGHT_RAY, LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light, NONE, OPAQUE_BY_PIXEL, ObjectParams,
+    REFLECTION_NONE, Rays,
 };
 use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::shadow::{RAYS, free};
@@ -42,11 +43,16 @@ fn skip(state: &State) -> Option<&'static str> {
     }
 }
 
+/// Whether this is a ray of reflections.
+fn mirrors(light: &Light) -> bool {
+    [LIGHT_MIRROR_RAY, LIGHT_BRIGHT_RAY].contains(&light.kind)
+}
+
 /// Whether a light of this kind is needed at the pixels of an object: to light it, or to be reflected.
 fn asked(params: &ObjectParams, kind: u32) -> bool {
     let reflects = params.reflection != REFLECTION_NONE;
     match kind {
-        LIGHT_MIRROR_RAY => reflects,
+        LIGHT_MIRROR_RAY | LIGHT_BRIGHT_RAY => reflects,
         LIGHT_SKY_RAY => params.opaque == OPAQUE_BY_PIXEL,
         _ => params.opaque == OPAQUE_BY_PIXEL || reflects,
     }
@@ -68,7 +74,7 @@ fn cpu(state: &mut State, _at: Scope) {
             let light = &data.pixel_lights[number];
             let reaches = |light: &Light| free(state, hit.face, origin, light);
             let free = asked(params, light.kind)
-                && if light.kind == LIGHT_MIRROR_RAY {
+                && if mirrors(light) {
                     let ray = mirror_ray(data, light, pixel, &seen, params);
                     !seen.traced(&ray) || reaches(&ray)
                 } else {
@@ -84,7 +90,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
     let others = u32::from(pass.state.method.local.is_some_and(Local::spares_itself));
     for light in (0..data.pixel_lights.len()).filter(|&light| data.pixel_lights[light].shadow != NONE) {
-        let mirror = u32::from(data.pixel_lights[light].kind == LIGHT_MIRROR_RAY);
+        let mirror = u32::from(mirrors(&data.pixel_lights[light]));
         let constants = [pass.state.objects.len() as u32, others, mirror];
         for first in (0..data.hits.len()).step_by(RAYS) {
             let count = RAYS.min(data.hits.len() - first);

@@ -2,8 +2,9 @@
 //! material's boundary, 1 - F_t.
 //!
 //! GGX: D G F / (4 (n.v) (n.l)), F at the facet. Phong: (m + 2) / (2 pi) cos^m F, F at the normal, cos from the
-//! mirror direction. The environment is the mean along rays that each pixel and sample draws anew ([`mirror_ray`]), by
-//! the facets that the eye sees or about the mirror direction, each divided by its density. The interpolated vertex normal is used, on the visible side of the triangle; where it faces away at a
+//! mirror direction. The environment is a sum over rays that each pixel and sample draws anew ([`mirror_ray`]):
+//! by the facets that the eye sees or about the mirror direction, and where the environment is bright; each is divided
+//! by the density of all. The interpolated vertex normal is used, on the visible side of the triangle; where it faces away at a
 //! silhouette, n.v counts as |n.v|.
 
 use std::f64::consts::{PI, TAU};
@@ -11,9 +12,11 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::mirror_ray::{Seen, mirror_ray};
+use super::mirror_ray::{Seen, bright_density, mirror_ray};
 use crate::error::Result;
-use crate::layout::{BufferId, Hit, LIGHT_SKY_RAY, Light, REFLECTION_GGX, REFLECTION_NONE};
+use crate::layout::{
+    BufferId, Hit, LIGHT_BRIGHT_RAY, LIGHT_SKY_RAY, Light, ObjectParams, REFLECTION_GGX, REFLECTION_NONE,
+};
 use crate::lighting::irradiance::{arrival, reaches_pixel};
 use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::{fresnel, sky};
@@ -42,17 +45,24 @@ fn masking(alpha: f64, seen: f64, lights: f64) -> f64 {
     0.5 / (lights * slope(seen) + seen * slope(lights)).max(1e-30)
 }
 
-/// GGX with its cosine, without Fresnel's factor, divided by the density of facets as the eye sees them: G2 / G1.
-fn facet_weight(alpha: f64, seen: f64, cosine: f64) -> f64 {
-    let slope = |cosine: f64| (alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine).sqrt();
-    cosine * (seen + slope(seen)) / (cosine * slope(seen) + seen * slope(cosine)).max(1e-30)
+/// The lobe times the cosine to the normal, without Fresnel's factor, in a direction, and the density of rays there that are
+/// drawn from the lobe: by facets as the eye sees them, or by those that stand for Phong's lobe.
+fn drawn_lobe(params: &ObjectParams, [normal, eye]: [DVec3; 2], direction: DVec3) -> [f64; 2] {
+    let (shape, along) = (f64::from(params.roughness), normal.dot(eye));
+    let (seen, cosine) = (along.abs(), normal.dot(direction).max(0.0));
+    if params.reflection == REFLECTION_GGX {
+        let facet = facets(shape, normal.dot((above(normal, eye) + direction).normalize_or_zero()));
+        let slope = (shape * shape + (1.0 - shape * shape) * seen * seen).sqrt();
+        return [cosine * facet * masking(shape, seen, cosine), 0.5 * facet / (seen + slope)];
+    }
+    let mirrored = (2.0 * along * normal - eye).dot(direction).max(0.0);
+    let lobe = (shape + 2.0) / TAU * mirrored.powf(shape);
+    [cosine * lobe, facets((4.0 / (shape + 3.0)).sqrt(), mirrored) * mirrored]
 }
 
-/// Phong's lobe (m + 2) / (2 pi) c^m, by the cosine to the mirror direction, divided by the density D(c) c of the facets
-/// that stand for it.
-fn phong_weight(exponent: f64, cosine: f64) -> f64 {
-    let a2 = 4.0 / (exponent + 3.0);
-    (0.5 * exponent + 1.0) * cosine.powf(exponent - 1.0) * (1.0 + (a2 - 1.0) * cosine * cosine).powi(2) / a2
+/// The direction to the eye, taken to be above the surface, as its facets are.
+fn above(normal: DVec3, eye: DVec3) -> DVec3 {
+    eye - 2.0 * normal.dot(eye).min(0.0) * normal
 }
 
 /// D of a facet, by the cosine of its angle to the normal.
@@ -104,21 +114,32 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
         sum += wide(light.color) * reflectance(met) * (falloff * cosine * lobe);
     }
 
-    // The environment. The eye is taken to be above the surface, as its facets are.
-    let upper = eye - 2.0 * normal.dot(eye).min(0.0) * normal;
-    let seen_point = Seen::new(data, hit, *corners);
-    let (rays, mut mirrored) = (&data.pixel_lights[camera.lights as usize..], DVec3::ZERO);
+    sum + mirrored(state, pixel, hit, &reflectance)
+}
+
+/// The environment's reflection: each ray divided by the density of all of them in its direction (Veach and Guibas 1995).
+fn mirrored(state: &State, pixel: usize, hit: &Hit, reflectance: &dyn Fn(f64) -> DVec3) -> DVec3 {
+    let (data, camera) = (&state.data, &state.data.camera[0]);
+    let params = &data.object_params[state.object_of(hit.face as usize)];
+    let seen = Seen::new(data, hit, data.triangles[hit.face as usize]);
+    let [normal, eye] = [seen.normal, seen.eye].map(|v| wide(v).normalize_or_zero());
+    let rays = &data.pixel_lights[camera.lights as usize..];
+    let bright = rays.iter().filter(|ray| ray.kind == LIGHT_BRIGHT_RAY).count();
+    let counts = [rays.len() - bright, bright].map(|count| count as f64);
+    let mut sum = DVec3::ZERO;
     for ray in rays.iter().filter(|ray| reaches_pixel(data, ray, pixel)) {
-        let direction = wide(mirror_ray(data, ray, pixel, &seen_point, params).place);
-        let cosine = normal.dot(direction).max(0.0);
-        let (met, weight) = if ggx {
-            ((0.5 + 0.5 * upper.dot(direction)).max(0.0).sqrt(), facet_weight(shape, seen, cosine))
-        } else {
-            (cosine, cosine * phong_weight(shape, mirror.dot(direction).max(0.0)))
+        let place = mirror_ray(data, ray, pixel, &seen, params).place;
+        let direction = wide(place);
+        let met = match params.reflection {
+            REFLECTION_GGX => (0.5 + 0.5 * above(normal, eye).dot(direction)).max(0.0).sqrt(),
+            _ => normal.dot(direction).max(0.0),
         };
-        mirrored += sky::radiance(data, direction) * reflectance(met) * weight;
+        let [lobe, density] = drawn_lobe(params, [normal, eye], direction);
+        let others = if bright > 0 { bright_density(data, place) } else { 0.0 };
+        let weight = lobe / (counts[0] * density + counts[1] * others).max(1e-30);
+        sum += sky::radiance(data, direction) * reflectance(met) * weight;
     }
-    sum + mirrored / rays.len().max(1) as f64
+    sum
 }
 
 fn cpu(state: &mut State, _at: Scope) {
@@ -140,7 +161,9 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
             pass.dispatch(Some("lights"), &[shadows, ggx], &push, pixels)?;
         }
         if !rays.is_empty() {
-            pass.dispatch(Some("environment"), &[shadows, ggx, rays.len() as u32], &push, pixels)?;
+            let bright = rays.iter().filter(|ray| ray.kind == LIGHT_BRIGHT_RAY).count();
+            let constants = [shadows, ggx, (rays.len() - bright) as u32, bright as u32];
+            pass.dispatch(Some("environment"), &constants, &push, pixels)?;
         }
     }
     Ok(())
@@ -151,54 +174,61 @@ mod tests {
     use super::super::mirror_ray::drawn;
     use super::*;
     use crate::geometry::random::unit_random;
-    use crate::layout::{ObjectParams, SQUARE_STEPS};
+    use crate::layout::SQUARE_STEPS;
 
-    /// Directional albedo, and the mean of a smooth environment, of a lobe seen at this cosine: by quadrature over the
-    /// sphere, and along so many rays.
-    fn albedo(reflection: u32, shape: f32, seen: f64, rays: u32) -> [[f64; 2]; 2] {
-        let params = ObjectParams { reflection, roughness: shape, ..ObjectParams::default() };
-        let (alpha, eye) = (f64::from(shape), DVec3::new((1.0 - seen * seen).sqrt(), 0.0, seen));
+    /// A ball's surroundings that are even, and some that are not.
+    fn skies(way: DVec3) -> [f64; 2] {
+        [1.0, 1.0 + way.x + way.z * way.z + 0.5 * way.y * way.x]
+    }
+
+    /// Their reflections by a lobe, without Fresnel's factor, by quadrature over the hemisphere.
+    fn exact(params: &ObjectParams, eye: DVec3) -> [f64; 2] {
+        let (shape, steps, mut sum) = (f64::from(params.roughness), 1200, [0.0; 2]);
         let mirror = DVec3::new(-eye.x, 0.0, eye.z);
-        let ggx = reflection == REFLECTION_GGX;
-        let sky = |way: DVec3| [1.0, 1.0 + way.x + way.z * way.z + 0.5 * way.y * way.x];
-        let (mut exact, mut found) = ([0.0; 2], [0.0; 2]);
-        let steps = 1200;
         for k in 0..steps * steps {
-            let (z, turn) =
-                ((f64::from(k / steps) + 0.5) / f64::from(steps), TAU * f64::from(k % steps) / f64::from(steps));
+            let z = (f64::from(k / steps) + 0.5) / f64::from(steps);
+            let (sine, cosine) = (TAU * f64::from(k % steps) / f64::from(steps)).sin_cos();
             let across = (1.0 - z * z).sqrt();
-            let way = DVec3::new(across * turn.cos(), across * turn.sin(), z);
-            let lobe = if ggx {
-                facets(alpha, (eye + way).normalize().z) * masking(alpha, seen, z)
+            let way = DVec3::new(across * cosine, across * sine, z);
+            let lobe = if params.reflection == REFLECTION_GGX {
+                facets(shape, (eye + way).normalize().z) * masking(shape, eye.z, z)
             } else {
-                (alpha + 2.0) / TAU * mirror.dot(way).max(0.0).powf(alpha)
+                (shape + 2.0) / TAU * mirror.dot(way).max(0.0).powf(shape)
             };
             let share = lobe * z * TAU / f64::from(steps * steps);
-            (0..2).for_each(|c| exact[c] += share * sky(way)[c]);
+            (0..2).for_each(|c| sum[c] += share * skies(way)[c]);
         }
+        sum
+    }
+
+    /// The same along so many rays.
+    fn along_rays(params: &ObjectParams, eye: DVec3, rays: u32) -> [f64; 2] {
+        let mut sum = [0.0; 2];
         for k in 0..rays {
             let square = SQUARE_STEPS.map(|step| unit_random(k.wrapping_mul(step)));
-            let way = wide(drawn(square, [0.0, 0.0, 1.0], narrow(eye), &params));
+            let way = wide(drawn(square, [0.0, 0.0, 1.0], narrow(eye), params));
             assert!((way.length() - 1.0).abs() < 1e-5, "{way}");
-            let z = way.z.max(0.0);
-            let weight =
-                if ggx { facet_weight(alpha, seen, z) } else { z * phong_weight(alpha, mirror.dot(way).max(0.0)) };
-            assert!((0.0..=2.01).contains(&weight), "{shape}: a ray that counts {weight} times");
-            (0..2).for_each(|c| found[c] += weight * sky(way)[c] / f64::from(rays));
+            let [lobe, density] = drawn_lobe(params, [DVec3::Z, eye], way);
+            let weight = lobe / density.max(1e-30);
+            assert!((0.0..=2.01).contains(&weight), "a ray that counts {weight} times");
+            (0..2).for_each(|c| sum[c] += weight * skies(way)[c] / f64::from(rays));
         }
-        [exact, found]
+        sum
     }
 
     #[test]
     fn rays_have_the_mean_of_their_lobe_and_come_nearer_the_more_there_are() {
-        for (reflection, shape) in [(2, 0.1), (2, 0.3), (2, 1.0), (1, 1.0), (1, 5.0), (1, 200.0)] {
-            for seen in [0.15, 0.6, 1.0] {
+        for (reflection, roughness) in [(2, 0.1), (2, 0.3), (2, 1.0), (1, 1.0), (1, 5.0), (1, 200.0)] {
+            let params = ObjectParams { reflection, roughness, ..ObjectParams::default() };
+            for seen in [0.15, 0.6, 1.0_f64] {
+                let eye = DVec3::new((1.0 - seen * seen).sqrt(), 0.0, seen);
+                let exact = exact(&params, eye);
                 let off = |rays| {
-                    let [exact, found] = albedo(reflection, shape, seen, rays);
+                    let found = along_rays(&params, eye, rays);
                     [0, 1].map(|c| (found[c] / exact[c] - 1.0).abs()).into_iter().fold(0.0, f64::max)
                 };
                 let (few, many) = (off(64), off(4096));
-                assert!(few < 0.1 && many < 2e-3, "{reflection}, {shape}, {seen}: {few} {many}");
+                assert!(few < 0.1 && many < 2e-3, "{reflection}, {roughness}, {seen}: {few} {many}");
             }
         }
     }

@@ -47,10 +47,10 @@ const SKY: &str = "light.0={ type = 'environment', image = 'builtin:sky' }";
 fn a_mirror_in_a_white_sky_reflects_its_fresnel_share() {
     let looks = ["object.0.material.reflection=ggx", "object.0.material.roughness=0.001"];
     let looks = [&looks[..], &["object.0.material.reflection=phong", "object.0.material.shininess=1000"]];
-    for (look, slack) in looks.into_iter().zip([1e-3, 5e-2]) {
+    for (look, slack) in looks.into_iter().zip([1e-3, 2e-2]) {
         let (mut bare, mut shiny) = (session(&[WHITE]), session(&[&[WHITE], look].concat()));
         let (bare, pixels) = (bare.picture().unwrap().pixels, shiny.picture().unwrap().pixels);
-        let (data, mut seen) = (&shiny.state().data, 0);
+        let (data, mut off) = (&shiny.state().data, Vec::new());
         for (pixel, hit) in data.hits.iter().enumerate().filter(|(_, hit)| hit.face != u32::MAX) {
             let corners = data.triangles[hit.face as usize];
             let weight = [1.0 - hit.u - hit.v, hit.u, hit.v];
@@ -66,18 +66,20 @@ fn a_mirror_in_a_white_sky_reflects_its_fresnel_share() {
                 let mirror = 1.0 - transmittance(data.object_params[0].eta[0].into(), cosine);
                 let expected = if data.object_params[0].reflection == 1 { mirror * cosine } else { mirror };
                 let found = f64::from(pixels[pixel][0] - bare[pixel][0]);
-                assert!((found - expected).abs() < slack * expected, "{cosine}: {found} {expected}");
-                seen += 1;
+                // A pixel draws few rays, some of them from the lobe's tail.
+                off.push(found / expected - 1.0);
+                assert!(off[off.len() - 1].abs() < 0.01 + 5.0 * slack, "{cosine}: {found} {expected}");
             }
         }
-        assert!(seen > 300, "{seen}");
+        let mean = off.iter().sum::<f64>() / off.len() as f64;
+        assert!(off.len() > 300 && mean.abs() < slack, "{}: {mean}", off.len());
     }
 }
 
 /// Two black mirrors of 20 mm under a white sky, the right one half hidden by nothing but the left one.
 #[test]
 fn a_reflection_shows_what_hides_the_environment() {
-    let mirror = "material={ opaque = true, albedo = 0, eta = 20, reflection = 'ggx', roughness = 0.001 }";
+    let mirror = "material={ opaque = true, albedo = 0, eta = 5, reflection = 'ggx', roughness = 0.001 }";
     let picture = |occlusion: u32| {
         let sets = [
             format!("light.0={{ type = 'environment', radiance = 1, occlusion = {occlusion} }}"),
@@ -93,12 +95,12 @@ fn a_reflection_shows_what_hides_the_environment() {
         (session.picture().unwrap().pixels, session.state().data.hits.clone())
     };
     let ((free, hits), (hidden, _)) = (picture(0), picture(64));
-    let (mut lit, mut dark, mut expected) = (0, 0, 0);
+    let (mut lit, mut dark, mut expected) = (0, 0_usize, 0);
     for (pixel, _) in hits.iter().enumerate().filter(|(_, hit)| hit.face != u32::MAX) {
         if hidden[pixel][0] > 0.9 * free[pixel][0] {
             lit += 1;
         } else {
-            // A few rays may pass the edge.
+            // Of eight rays a few may pass the edge.
             assert!(hidden[pixel][0] < free[pixel][0], "{pixel}");
             dark += 1;
         }
@@ -119,14 +121,16 @@ fn a_reflection_shows_what_hides_the_environment() {
             expected += usize::from(meets(point, mirrored, balls[1 - ball]).is_some());
         }
     }
-    assert!(lit > 5 * dark && dark > 20, "{lit} {dark}");
+    assert!(lit > 5 * dark && dark > 10, "{lit} {dark}");
     assert!(dark.abs_diff(expected) <= 2 + expected / 5, "{dark} {expected}");
 }
 
 #[test]
 fn further_samples_bring_a_reflection_nearer_to_its_mean() {
     let error = |shape: &str, samples: u32, mean: &[[f32; 3]]| {
-        let camera = format!("camera={{ position = [0, 0, 25], target = [0, 0, 0], fov = 20, samples = {samples} }}");
+        let camera = format!(
+            "camera={{ position = [0, 0, 25], target = [0, 0, 0], fov = 20, samples = {samples}, size = [16, 16] }}"
+        );
         let sky = "light.0={ type = 'environment', image = 'builtin:studio' }";
         let black = format!("object.0.material={{ opaque = true, albedo = 0, reflection = {shape} }}");
         let picture = picture(&mut session(&[sky, &black, &camera, "object.0.size=20"])).unwrap().pixels;
@@ -135,8 +139,9 @@ fn further_samples_bring_a_reflection_nearer_to_its_mean() {
     };
     for shape in ["'ggx', roughness = 0.3", "'phong', shininess = 20"] {
         let (_, mean) = error(shape, 64, &[]);
-        let [two, sixteen] = [2, 16].map(|samples| error(shape, samples, &mean).0);
-        assert!(two > 0.0 && sixteen < 0.5 * two, "{shape}: {two} {sixteen}");
+        // 32 rays, and 128 of the 512.
+        let [one, sixteen] = [1, 16].map(|samples| error(shape, samples, &mean).0);
+        assert!(one > 0.0 && sixteen < 0.6 * one, "{shape}: {one} {sixteen}");
     }
 }
 

@@ -20,8 +20,8 @@ UPDATES(radiance)
 #define LIT(word) pixel_lit[word]
 #define LIT_WORDS camera[0].shadow_words
 #include "lighting/arrival.glsl"
-#include "view/surface.glsl"
 #include "view/lobe.glsl"
+#include "view/surface.glsl"
 #include "geometry/sight.glsl"
 #include "geometry/exact.glsl"
 #include "geometry/turn.glsl"
@@ -43,11 +43,8 @@ void main() {
         float cosine = max(dot(s.normal, toward), 0.0), lobe, met;
         if (GGX != 0) {
             vec3 facet = unit(s.toward + toward);
-            vec3 aside = cross(s.normal, facet);
-            float along = dot(s.normal, facet);
-            float spread = alpha * alpha * along * along + dot(aside, aside);
             met = dot(s.toward, facet);
-            lobe = alpha * alpha / (3.14159265358979 * spread * spread) * masking(alpha, seen, cosine);
+            lobe = facet_density(alpha, s.normal, facet) * masking(alpha, seen, cosine);
         } else {
             vec3 mirror = 2.0 * signed_seen * s.normal - s.toward;
             met = cosine;
