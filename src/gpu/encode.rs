@@ -1,14 +1,12 @@
 //! A listed frame as command buffers: which commands there are, and how they are submitted, is [`super::Choices`]'
 //! business.
 
-use std::ffi::CString;
-
 use ash::vk;
 
 use super::call::vk_call;
 use super::choices::{Queues, Submissions};
-use super::faults::drops;
-use super::list::{Entry, Groups, Listed};
+use super::faults::{Told, drops, tell};
+use super::list::{Entry, Groups, Listed, Place};
 use super::logical_device::LogicalDevice;
 use super::order::{Wait, waits};
 use super::sets::Sets;
@@ -18,6 +16,7 @@ use batches::Batches;
 
 mod barriers;
 mod batches;
+mod labels;
 mod run;
 
 /// A frame in command buffers. What it uses lives as long as it does; buffers are the caller's.
@@ -105,33 +104,33 @@ impl Encoded {
             .iter()
             .filter_map(|entry| match entry {
                 Entry::Dispatch(listed) => Some(listed),
-                Entry::Begin(_) | Entry::End => None,
+                Entry::Begin(..) | Entry::End => None,
             })
             .collect();
         self.sets.prepare(&dispatches)?;
         let waits = self.find_waits(list, &dispatches)?;
         self.make_events(&waits, dispatches.len())?;
         let apart = choices.submissions == Submissions::Step || choices.queues != Queues::One;
-        let parts = list.iter().filter(|entry| matches!(entry, Entry::Begin(_))).count();
+        let parts = list.iter().filter(|entry| matches!(entry, Entry::Begin(..))).count();
         let (mut part, mut index) = (0, 0);
-        let mut open: Vec<usize> = Vec::new();
+        let mut open: Vec<(usize, Place)> = Vec::new();
         for (at, entry) in list.iter().enumerate() {
             match entry {
-                Entry::Begin(name) => {
+                Entry::Begin(name, place) => {
                     if choices.submissions == Submissions::Secondary && open.is_empty() {
                         self.begin(vk::CommandBufferLevel::SECONDARY)?;
                     }
                     if choices.queues != Queues::One && open.is_empty() {
                         self.reset_queries(part, 1 + inner_parts(&list[at + 1..]));
                     }
-                    self.begin_part(name, part);
-                    open.push(part);
+                    self.begin_part(name, *place, part);
+                    open.push((part, *place));
                     self.counts.push([0; 2]);
                     part += 1;
                 }
                 Entry::End => {
                     let ended = open.pop();
-                    self.end_part(ended.unwrap_or(usize::MAX));
+                    self.end_part(ended.map_or(usize::MAX, |(part, _)| part));
                     match choices.submissions {
                         _ if !open.is_empty() => {}
                         _ if apart && part < parts => {
@@ -148,11 +147,13 @@ impl Encoded {
                     if let Some(wait) = &waits[index] {
                         self.wait(wait);
                     }
-                    if let Some(part) = open.last() {
+                    if let Some((part, _)) = open.last() {
                         self.counts[*part][0] += 1;
                         self.counts[*part][1] += usize::from(waits[index].is_some());
                     }
+                    self.begin_label(&listed.kernel.name, open.last().map_or(Place::default(), |(_, place)| *place));
                     self.dispatch(listed, index);
+                    self.end_label();
                     index += 1;
                 }
             }
@@ -195,25 +196,16 @@ impl Encoded {
         }
     }
 
-    fn begin_part(&self, name: &str, part: usize) {
+    fn begin_part(&self, name: &str, place: Place, part: usize) {
+        self.begin_label(name, place);
         // SAFETY: the command buffer is recording; the query lies within the pool.
-        unsafe {
-            if let (Some(debug), Ok(name)) = (self.device.debug(), CString::new(name)) {
-                let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
-                debug.cmd_begin_debug_utils_label(self.now, &label);
-            }
-            self.timestamp(part, 0);
-        }
+        unsafe { self.timestamp(part, 0) };
     }
 
     fn end_part(&self, part: usize) {
         // SAFETY: as above.
-        unsafe {
-            self.timestamp(part, 1);
-            if let Some(debug) = self.device.debug() {
-                debug.cmd_end_debug_utils_label(self.now);
-            }
-        }
+        unsafe { self.timestamp(part, 1) };
+        self.end_label();
     }
 
     /// SAFETY: the command buffer has to be recording.
@@ -227,6 +219,7 @@ impl Encoded {
 
     fn dispatch(&mut self, listed: &Listed, index: usize) {
         let (raw, kernel) = (self.device.raw(), &listed.kernel);
+        tell(|| Told::Dispatch(kernel.name.clone()));
         if drops(&kernel.name) {
             return;
         }
@@ -250,7 +243,7 @@ fn inner_parts(list: &[Entry]) -> usize {
     let (mut open, mut count) = (1, 0);
     for entry in list {
         match entry {
-            Entry::Begin(_) => (open, count) = (open + 1, count + 1),
+            Entry::Begin(..) => (open, count) = (open + 1, count + 1),
             Entry::End => open -= 1,
             Entry::Dispatch(_) => {}
         }

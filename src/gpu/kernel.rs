@@ -204,6 +204,7 @@ impl Kernel {
         unsafe {
             let info = vk::ShaderModuleCreateInfo::default().code(&words);
             let module = vk_call("vkCreateShaderModule", &doing, || raw.create_shader_module(&info, None))?;
+            device.label(module, &self.name);
             let mut size = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default();
             let mut stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)

@@ -27,6 +27,8 @@ pub struct Offers {
     pub(super) statistics: bool,
     /// Whether it is a driver of a part of Vulkan, which has to be opened as such: `VK_KHR_portability_subset`.
     pub(super) portability_subset: bool,
+    /// The extension by which its clock can be read.
+    pub(super) clock: Option<&'static CStr>,
     /// How many queues the family of its compute queue has.
     queues: u32,
     /// Whether it has timeline semaphores.
@@ -39,7 +41,12 @@ pub struct Offers {
 
 impl Offers {
     /// What an instance says of one of its physical devices, whose compute queue is of this family.
-    pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Self {
+    pub(super) fn query(
+        entry: &ash::Entry,
+        instance: &ash::Instance,
+        physical: vk::PhysicalDevice,
+        family: u32,
+    ) -> Self {
         // SAFETY: a plain query on a device of this instance.
         let extensions = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
         let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|known| known == name));
@@ -95,6 +102,9 @@ impl Offers {
             queues: families.get(family as usize).map_or(0, |family| family.queue_count),
             statistics: has(khr::pipeline_executable_properties::NAME),
             portability_subset: has(khr::portability_subset::NAME),
+            clock: [khr::calibrated_timestamps::NAME, ext::calibrated_timestamps::NAME]
+                .into_iter()
+                .find(|name| has(name) && reads_clock(entry, instance, physical, name)),
             timelines: timeline.timeline_semaphore == vk::TRUE,
             memory_types: memory_types(memory.memory_types_as_slice()),
             local_visible: memory
@@ -138,6 +148,20 @@ impl Offers {
         };
         Some(lack.into())
     }
+}
+
+/// Whether the device's own clock is one of those that this extension of it reads.
+fn reads_clock(entry: &ash::Entry, instance: &ash::Instance, physical: vk::PhysicalDevice, extension: &CStr) -> bool {
+    use ext::calibrated_timestamps::Instance as OfExt;
+    use khr::calibrated_timestamps::Instance as OfKhr;
+    // SAFETY: a plain query on a device of this instance that has the extension.
+    let clocks = unsafe {
+        match extension == khr::calibrated_timestamps::NAME {
+            true => OfKhr::new(entry, instance).get_physical_device_calibrateable_time_domains(physical),
+            false => OfExt::new(entry, instance).get_physical_device_calibrateable_time_domains(physical),
+        }
+    };
+    clocks.is_ok_and(|clocks| clocks.contains(&vk::TimeDomainKHR::DEVICE))
 }
 
 /// Properties of memory that is the device's own and that the host sees.

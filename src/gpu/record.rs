@@ -9,7 +9,7 @@ use super::count;
 use super::encode::Encoded;
 use super::first_use;
 use super::kernel::Kernel;
-use super::list::{BoundRange, Entry, Groups, Listed, Timing};
+use super::list::{BoundRange, Entry, Groups, Listed, Place, Timing};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use crate::error::{Error, Result};
@@ -48,7 +48,12 @@ impl Recorder {
 
     /// Lists what `body` lists as a part of this name: within a debug label, and with a timestamp before and after.
     pub fn part(&mut self, name: &str, body: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
-        self.list.push(Entry::Begin(name.to_string()));
+        self.part_of(name, Place::default(), body)
+    }
+
+    /// The same for this part of the work.
+    pub fn part_of(&mut self, name: &str, of: Place, body: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        self.list.push(Entry::Begin(name.to_string(), of));
         let done = body(self);
         self.list.push(Entry::End);
         done

@@ -14,6 +14,7 @@ impl LogicalDevice {
         let device = Self::open(&self.0.instance, &self.0.adapter, choices, extras)?;
         device.wait_at_most(self.patience());
         device.compile_ahead(self.compiles_ahead());
+        device.align_clocks(self.0.aligned.get());
         Ok(device)
     }
 

@@ -1,0 +1,104 @@
+//! What tools such as RenderDoc and Nsight show: every object has a name, and every dispatch a label.
+
+use std::collections::BTreeMap;
+
+use crate::devices::on_devices;
+use milkglass::internals::gpu::faults::{Told, listen, watch};
+use milkglass::internals::gpu::{AXES, Choices, Device, Instance};
+use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::session::run::Session;
+use milkglass::scene::Scene;
+
+/// Calls that make several objects, or none that has a name of its own: the allocator makes memory.
+const WITHOUT: [&str; 3] = ["vkCreateInstance", "vkCreateDebugUtilsMessengerEXT", "vkAllocateMemory"];
+
+/// Opens the device in this way, renders a picture of two objects, and copies it; returns what tools were told, and the
+/// names of all calls.
+fn told(device: &Device, choices: &Choices) -> (Vec<Told>, Vec<&'static str>) {
+    let object = |x: f64| format!("{{mesh='sphere',detail=1,material={{name='marble'}},position=[{x},0,0]}}");
+    let sets = [format!("object=[{},{}]", object(0.0), object(1.5)), "camera.size=[8,8]".into()];
+    let scene = Scene::load_with("sphere", &sets).unwrap();
+    let ((_, calls), told) = listen(|| {
+        watch(None, || {
+            let instance = Instance::open(true).unwrap();
+            let adapter = instance.adapters().unwrap().into_iter().find(|a| a.name == device.name()).unwrap();
+            let device = Device::open_as(&instance, &adapter, choices).unwrap();
+            let options = Options { goal: Goal::Picture, ..Options::default() };
+            let mut session = Session::new(&scene, Some(&device), options).unwrap();
+            session.frame(Change::EVERYTHING).unwrap();
+            session.picture().unwrap();
+            drop((session, device));
+            assert_eq!(instance.take_messages(), [""; 0]);
+        })
+    });
+    (told, calls.into_iter().map(|call| call.name).collect())
+}
+
+/// How many objects of each type were made, and how many have names.
+fn counts(told: &[Told], calls: &[&'static str]) -> BTreeMap<String, [usize; 2]> {
+    let mut counts: BTreeMap<String, [usize; 2]> = BTreeMap::new();
+    let made = calls.iter().filter(|call| !WITHOUT.contains(call));
+    for call in made.filter_map(|call| call.strip_prefix("vkCreate").or_else(|| call.strip_prefix("vkAllocate"))) {
+        let kind = call.trim_end_matches('s').replace("ComputePipeline", "Pipeline");
+        counts.entry(kind.to_lowercase()).or_default()[0] += 1;
+    }
+    for said in told {
+        if let Told::Name(kind, name) = said {
+            assert!(!name.is_empty());
+            let kind = kind.to_lowercase().replace('_', "");
+            // Queues are made with their device.
+            if kind != "queue" {
+                counts.entry(kind).or_default()[1] += 1;
+            }
+        }
+    }
+    counts
+}
+
+#[test]
+fn every_object_has_a_name_and_every_dispatch_a_label() {
+    on_devices(|device| {
+        let (told, calls) = told(device, &Choices::default());
+        let counts = counts(&told, &calls);
+        assert!(counts.len() >= 12, "{counts:?}");
+        assert!(counts.values().all(|[made, named]| made == named), "made and named: {counts:?}");
+        let (mut open, mut dispatches) = (Vec::new(), Vec::new());
+        for said in told {
+            match said {
+                Told::Name(..) => {}
+                Told::Begin(label) => open.push(label),
+                Told::End => drop(open.pop().expect("a label has begun")),
+                Told::Dispatch(kernel) => {
+                    assert_eq!(open.last().and_then(|label| label.split(" of ").next()), Some(kernel.as_str()));
+                    dispatches.push(open.join(" > "));
+                }
+            }
+        }
+        assert!(open.is_empty());
+        for label in [
+            "refit of object 1 > geometry/refit/cluster of object 1",
+            "gather of object 0, channel group 0, batch 0 > transport/blocks/gather/direct of object 0, channel group 0, \
+             batch 0",
+            "tone > view/tone",
+            "measure/executes",
+        ] {
+            assert!(dispatches.iter().any(|known| known == label), "{label} is not among {dispatches:#?}");
+        }
+    });
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn however_the_api_is_used_objects_have_names() {
+    on_devices(|device| {
+        for value in AXES.iter().flat_map(|axis| axis.values) {
+            let mut choices = Choices::default();
+            (value.set)(&mut choices);
+            if device.adapter().offers.lack(&choices).is_none() {
+                let (told, calls) = told(device, &choices);
+                let counts = counts(&told, &calls);
+                assert!(counts.values().all(|[made, named]| made == named), "{}: {counts:?}", value.name);
+            }
+        }
+    });
+}
