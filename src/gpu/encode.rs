@@ -1,6 +1,8 @@
 //! A listed frame as command buffers: which commands there are, and how they are submitted, is [`super::Choices`]'
 //! business.
 
+use std::time::Duration;
+
 use ash::vk;
 
 use super::call::vk_call;
@@ -13,9 +15,11 @@ use super::sets::Sets;
 use crate::error::Result;
 use barriers::STAGES;
 use batches::Batches;
+pub(super) use cuts::Paces;
 
 mod barriers;
 mod batches;
+mod cuts;
 mod labels;
 mod run;
 
@@ -24,6 +28,8 @@ pub(super) struct Encoded {
     device: LogicalDevice,
     list: Vec<Entry>,
     timed_parts: usize,
+    /// The entries before which another submission begins.
+    cuts: Vec<usize>,
     /// The dispatches of each part, and the waits before them.
     counts: Vec<[usize; 2]>,
     /// In the order of submission.
@@ -41,13 +47,14 @@ pub(super) struct Encoded {
 }
 
 impl Encoded {
-    /// Records a list, with timestamps around its first `timed_parts` parts.
-    pub(super) fn new(device: &LogicalDevice, list: Vec<Entry>, timed_parts: usize) -> Result<Self> {
+    /// Records a list, with timestamps around its first `timed_parts` parts, cut into submissions before these entries.
+    pub(super) fn new(device: &LogicalDevice, list: Vec<Entry>, timed_parts: usize, cuts: Vec<usize>) -> Result<Self> {
         let doing = "recording a frame";
         let mut encoded = Self {
             device: device.clone(),
             list,
             timed_parts,
+            cuts,
             counts: Vec::new(),
             primaries: Vec::new(),
             secondaries: Vec::new(),
@@ -70,6 +77,11 @@ impl Encoded {
         let done = encoded.record(&list);
         encoded.list = list;
         done.map(|()| encoded)
+    }
+
+    /// Whether these times of its steps ask for the submissions that it has.
+    pub(super) fn is_cut_as(&self, paces: &Paces, limit: Duration) -> bool {
+        self.cuts == paces.cuts(&self.list, limit)
     }
 
     /// Whether it is the recording of this list.
@@ -115,6 +127,11 @@ impl Encoded {
         let (mut part, mut index) = (0, 0);
         let mut open: Vec<(usize, Place)> = Vec::new();
         for (at, entry) in list.iter().enumerate() {
+            if self.cuts.binary_search(&at).is_ok() {
+                // Barriers order what is submitted to one queue, wherever the command buffers end.
+                self.end()?;
+                self.begin(vk::CommandBufferLevel::PRIMARY)?;
+            }
             match entry {
                 Entry::Begin(name, place) => {
                     if choices.submissions == Submissions::Secondary && open.is_empty() {

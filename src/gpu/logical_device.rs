@@ -31,6 +31,9 @@ use submission::GRACE;
 mod spares;
 mod submission;
 
+/// How long a part of a frame should take that is one submission, unless [`LogicalDevice::cut_at`] sets another limit.
+const LONGEST: Duration = Duration::from_millis(500);
+
 /// How long a submission may take, unless [`LogicalDevice::wait_at_most`] sets another limit.
 const PATIENCE: Duration = Duration::from_secs(600);
 
@@ -54,6 +57,8 @@ struct Inner {
     memory: Memory,
     /// How long a submission may take.
     patience: Cell<Duration>,
+    /// How long a part of a frame may take that is one submission.
+    longest: Cell<Duration>,
     /// Whether kernels are compiled ahead of the frame that first uses them, where that is any use.
     ahead: Cell<bool>,
     /// Whether the device's clock is read after each frame that is timed.
@@ -95,6 +100,7 @@ impl LogicalDevice {
             extras: extras.clone(),
             memory: Memory::default(),
             patience: Cell::new(PATIENCE),
+            longest: Cell::new(LONGEST),
             ahead: Cell::default(),
             aligned: Cell::default(),
             submissions: Cell::default(),
@@ -153,6 +159,12 @@ impl LogicalDevice {
     /// Sets how long a submission may take before the device counts as hung; the default is ten minutes.
     pub fn wait_at_most(&self, patience: Duration) {
         self.0.patience.set(patience);
+    }
+
+    /// Sets how long a submission should take: a frame is cut into several, as its steps' last times say, where the
+    /// device is no processor; the default is half a second, since the driver of a display resets a device after two.
+    pub fn cut_at(&self, longest: Duration) {
+        self.0.longest.set(longest);
     }
 
     /// The adapter.

@@ -17,6 +17,8 @@ pub struct Offers {
     /// The smallest and the largest subgroup size that a pipeline can require; none without
     /// `VK_EXT_subgroup_size_control`.
     pub(super) subgroups: Option<[u32; 2]>,
+    /// The most subgroups of a required size in a group.
+    pub(super) most_subgroups: u32,
     /// Whether a pipeline can require that all subgroups are full, by the same extension.
     pub(super) full_subgroups: bool,
     /// Whether kernels can shuffle values in a subgroup.
@@ -88,6 +90,7 @@ impl Offers {
             push_descriptors: pushes.max_push_descriptors,
             synchronization2: second.synchronization2 == vk::TRUE,
             subgroups: sized.then_some([subgroups.min_subgroup_size, subgroups.max_subgroup_size]),
+            most_subgroups: subgroups.max_compute_workgroup_subgroups,
             shuffles: operations.supported_stages.contains(vk::ShaderStageFlags::COMPUTE)
                 && operations
                     .supported_operations
