@@ -103,6 +103,7 @@ impl Encoded {
 
     /// Ends the command buffer being recorded.
     fn end(&self) -> Result<()> {
+        tell(|| Told::Close);
         vk_call("vkEndCommandBuffer", "recording a frame", || {
             // SAFETY: the command buffer is complete; what it uses is owned by `self` or borrowed by the caller.
             unsafe { self.device.raw().end_command_buffer(self.now) }
@@ -125,12 +126,15 @@ impl Encoded {
         let apart = choices.submissions == Submissions::Step || choices.queues != Queues::One;
         let parts = list.iter().filter(|entry| matches!(entry, Entry::Begin(..))).count();
         let (mut part, mut index) = (0, 0);
-        let mut open: Vec<(usize, Place)> = Vec::new();
+        let mut open: Vec<(usize, &str, Place)> = Vec::new();
         for (at, entry) in list.iter().enumerate() {
             if self.cuts.binary_search(&at).is_ok() {
-                // Barriers order what is submitted to one queue, wherever the command buffers end.
+                // Barriers order what is submitted to one queue, wherever the command buffers end. Labels may go on in
+                // the next one, too, but Mesa 22.3 crashes then.
+                open.iter().for_each(|_| self.end_label());
                 self.end()?;
                 self.begin(vk::CommandBufferLevel::PRIMARY)?;
+                open.iter().for_each(|(_, name, place)| self.begin_label(name, *place));
             }
             match entry {
                 Entry::Begin(name, place) => {
@@ -141,13 +145,13 @@ impl Encoded {
                         self.reset_queries(part, 1 + inner_parts(&list[at + 1..]));
                     }
                     self.begin_part(name, *place, part);
-                    open.push((part, *place));
+                    open.push((part, name, *place));
                     self.counts.push([0; 2]);
                     part += 1;
                 }
                 Entry::End => {
                     let ended = open.pop();
-                    self.end_part(ended.map_or(usize::MAX, |(part, _)| part));
+                    self.end_part(ended.map_or(usize::MAX, |(part, ..)| part));
                     match choices.submissions {
                         _ if !open.is_empty() => {}
                         _ if apart && part < parts => {
@@ -164,11 +168,11 @@ impl Encoded {
                     if let Some(wait) = &waits[index] {
                         self.wait(wait);
                     }
-                    if let Some((part, _)) = open.last() {
+                    if let Some((part, ..)) = open.last() {
                         self.counts[*part][0] += 1;
                         self.counts[*part][1] += usize::from(waits[index].is_some());
                     }
-                    self.begin_label(&listed.kernel.name, open.last().map_or(Place::default(), |(_, place)| *place));
+                    self.begin_label(&listed.kernel.name, open.last().map_or(Place::default(), |(.., place)| *place));
                     self.dispatch(listed, index);
                     self.end_label();
                     index += 1;

@@ -30,6 +30,8 @@ pub enum Told {
     Dispatch(String),
     /// The latest label ends.
     End,
+    /// A command buffer of a frame ends.
+    Close,
 }
 
 /// What the test on this thread requests.

@@ -1,6 +1,7 @@
 //! What tools such as RenderDoc and Nsight show: every object has a name, and every dispatch a label.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
 
 use crate::devices::on_devices;
 use milkglass::internals::gpu::faults::{Told, listen, watch};
@@ -13,19 +14,22 @@ use milkglass::scene::Scene;
 /// Calls that make several objects, or none that has a name of its own: the allocator makes memory.
 const WITHOUT: [&str; 3] = ["vkCreateInstance", "vkCreateDebugUtilsMessengerEXT", "vkAllocateMemory"];
 
-/// Opens the device in this way, renders a picture of two objects, and copies it; returns what tools were told, and the
-/// names of all calls.
-fn told(device: &Device, choices: &Choices) -> (Vec<Told>, Vec<&'static str>) {
+/// Opens the device in this way, renders two pictures of two objects, and copies the second; returns what tools were
+/// told, and the names of all calls. With `cut` each dispatch of the second picture is a submission.
+fn told(device: &Device, choices: &Choices, cut: bool) -> (Vec<Told>, Vec<&'static str>) {
     let object = |x: f64| format!("{{shape='sphere',detail=1,material={{preset='marble'}},position=[{x},0,0]}}");
     let sets = [format!("object=[{},{}]", object(0.0), object(1.5)), "camera.size=[8,8]".into()];
     let scene = Scene::load_with("sphere", &sets).unwrap();
     let ((_, calls), told) = listen(|| {
         watch(None, || {
             let instance = Instance::open(true).unwrap();
-            let adapter = instance.adapters().unwrap().into_iter().find(|a| a.name == device.name()).unwrap();
+            let mut adapter = instance.adapters().unwrap().into_iter().find(|a| a.name == device.name()).unwrap();
+            adapter.kind = if cut { "discrete" } else { adapter.kind };
             let device = Device::open_as(&instance, &adapter, choices).unwrap();
+            device.cut_at(Duration::from_nanos(1));
             let options = Options { goal: Goal::Picture, ..Options::default() };
             let mut session = Session::new(&scene, Some(&device), options).unwrap();
+            session.frame(Change::EVERYTHING).unwrap();
             session.frame(Change::EVERYTHING).unwrap();
             session.picture().unwrap();
             drop((session, device));
@@ -59,7 +63,7 @@ fn counts(told: &[Told], calls: &[&'static str]) -> BTreeMap<String, [usize; 2]>
 #[test]
 fn every_object_has_a_name_and_every_dispatch_a_label() {
     on_devices(|device| {
-        let (told, calls) = told(device, &Choices::default());
+        let (told, calls) = told(device, &Choices::default(), true);
         let counts = counts(&told, &calls);
         assert!(counts.len() >= 12, "{counts:?}");
         assert!(counts.values().all(|[made, named]| made == named), "made and named: {counts:?}");
@@ -68,6 +72,8 @@ fn every_object_has_a_name_and_every_dispatch_a_label() {
             match said {
                 Told::Name(..) => {}
                 Told::Begin(label) => open.push(label),
+                // A command buffer is labelled by itself: Mesa 22.3 crashes where a label goes on in the next one.
+                Told::Close => assert!(open.is_empty(), "{open:?} at the end of a command buffer"),
                 Told::End => drop(open.pop().expect("a label has begun")),
                 Told::Dispatch(kernel) => {
                     assert_eq!(open.last().and_then(|label| label.split(" of ").next()), Some(kernel.as_str()));
@@ -105,7 +111,7 @@ fn however_the_api_is_used_objects_have_names() {
                     choices = before;
                 }
             }
-            let (told, calls) = told(device, &choices);
+            let (told, calls) = told(device, &choices, false);
             let counts = counts(&told, &calls);
             assert!(counts.values().all(|[made, named]| made == named), "{choices:?}: {counts:?}");
             all.extend(counts.into_keys());
