@@ -169,6 +169,7 @@ fn kernels_bind_no_more_buffers_than_devices_have() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_frame_that_takes_long_is_several_submissions() {
     with(|device, instance| {
         let scene = scene("blocks");
