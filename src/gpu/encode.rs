@@ -129,12 +129,7 @@ impl Encoded {
         let mut open: Vec<(usize, &str, Place)> = Vec::new();
         for (at, entry) in list.iter().enumerate() {
             if self.cuts.binary_search(&at).is_ok() {
-                // Barriers order what is submitted to one queue, wherever the command buffers end. Labels may go on in
-                // the next one, too, but Mesa 22.3 crashes then.
-                open.iter().for_each(|_| self.end_label());
-                self.end()?;
-                self.begin(vk::CommandBufferLevel::PRIMARY)?;
-                open.iter().for_each(|(_, name, place)| self.begin_label(name, *place));
+                self.cut(&open)?;
             }
             match entry {
                 Entry::Begin(name, place) => {
@@ -152,16 +147,8 @@ impl Encoded {
                 Entry::End => {
                     let ended = open.pop();
                     self.end_part(ended.map_or(usize::MAX, |(part, ..)| part));
-                    match choices.submissions {
-                        _ if !open.is_empty() => {}
-                        _ if apart && part < parts => {
-                            // It may be the last one of its queue.
-                            self.make_visible();
-                            self.end()?;
-                            self.begin(vk::CommandBufferLevel::PRIMARY)?;
-                        }
-                        Submissions::Secondary => self.execute()?,
-                        Submissions::Frame | Submissions::Step | Submissions::Reused => {}
+                    if open.is_empty() {
+                        self.end_step(apart && part < parts)?;
                     }
                 }
                 Entry::Dispatch(listed) => {
@@ -181,6 +168,31 @@ impl Encoded {
         }
         self.make_visible();
         self.end()
+    }
+
+    /// Goes on in another command buffer, within the same labels.
+    fn cut(&mut self, open: &[(usize, &str, Place)]) -> Result<()> {
+        // Barriers order what is submitted to one queue, wherever the command buffers end. Labels may go on in the next
+        // one, too, but Mesa 22.3 crashes then.
+        open.iter().for_each(|_| self.end_label());
+        self.end()?;
+        self.begin(vk::CommandBufferLevel::PRIMARY)?;
+        open.iter().for_each(|(_, name, place)| self.begin_label(name, *place));
+        Ok(())
+    }
+
+    /// Ends a step's command buffer, where it has one of its own; `apart` if another step's follows.
+    fn end_step(&mut self, apart: bool) -> Result<()> {
+        match self.device.choices().submissions {
+            _ if apart => {
+                // It may be the last one of its queue.
+                self.make_visible();
+                self.end()?;
+                self.begin(vk::CommandBufferLevel::PRIMARY)
+            }
+            Submissions::Secondary => self.execute(),
+            Submissions::Frame | Submissions::Step | Submissions::Reused => Ok(()),
+        }
     }
 
     /// What each dispatch waits for within its queue; also finds the batches where there are several queues.

@@ -105,15 +105,10 @@ impl Offers {
             queues: families.get(family as usize).map_or(0, |family| family.queue_count),
             statistics: has(khr::pipeline_executable_properties::NAME),
             portability_subset: has(khr::portability_subset::NAME),
-            clock: [khr::calibrated_timestamps::NAME, ext::calibrated_timestamps::NAME]
-                .into_iter()
-                .find(|name| has(name) && reads_clock(entry, instance, physical, name)),
+            clock: CLOCKS.into_iter().find(|name| has(name) && reads_clock(entry, instance, physical, name)),
             timelines: timeline.timeline_semaphore == vk::TRUE,
             memory_types: memory_types(memory.memory_types_as_slice()),
-            local_visible: memory
-                .memory_types_as_slice()
-                .iter()
-                .any(|kind| kind.property_flags.contains(LOCAL_VISIBLE)),
+            local_visible: memory.memory_types_as_slice().iter().any(is_local_visible),
         }
     }
 
@@ -167,12 +162,19 @@ fn reads_clock(entry: &ash::Entry, instance: &ash::Instance, physical: vk::Physi
     clocks.is_ok_and(|clocks| clocks.contains(&vk::TimeDomainKHR::DEVICE))
 }
 
+/// Extensions that read a device's clock.
+const CLOCKS: [&CStr; 2] = [khr::calibrated_timestamps::NAME, ext::calibrated_timestamps::NAME];
+
 /// Properties of memory that is the device's own and that the host sees.
 const LOCAL_VISIBLE: vk::MemoryPropertyFlags = vk::MemoryPropertyFlags::from_raw(
     vk::MemoryPropertyFlags::DEVICE_LOCAL.as_raw()
         | vk::MemoryPropertyFlags::HOST_VISIBLE.as_raw()
         | vk::MemoryPropertyFlags::HOST_COHERENT.as_raw(),
 );
+
+fn is_local_visible(kind: &vk::MemoryType) -> bool {
+    kind.property_flags.contains(LOCAL_VISIBLE)
+}
 
 /// The first type for each location as the allocator chooses it.
 fn memory_types(types: &[vk::MemoryType]) -> [Option<usize>; 3] {
