@@ -1,4 +1,4 @@
-//! The device's clock beside the host's, where the driver reads both (`VK_KHR_calibrated_timestamps`, or the same of EXT).
+//! The device's clock beside the host's, where the driver reads its own (`VK_KHR_calibrated_timestamps` or EXT's).
 
 use std::time::{Duration, Instant};
 

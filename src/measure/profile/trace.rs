@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use super::{Frame, Profile};
 
 /// Frames of a scene as trace events, in microseconds: frames on one track, steps on another, and counters: memory,
-/// links, and what `rates` returns for a stage's name. Where the clocks of host and device are not aligned, the steps are
-/// shifted such that the last one ends with its frame. `otherData.clocks` says which it is.
+/// links, and what `rates` returns for a stage's name. Where the clocks of host and device are not aligned, the steps
+/// are shifted such that the last one ends with its frame. `otherData.clocks` says which it is.
 pub fn trace<'a>(
     [scene, device, driver]: [&str; 3],
     frames: impl IntoIterator<Item = &'a Frame>,
