@@ -161,7 +161,7 @@ impl Adapter {
     }
 
     /// What an instance says of one of its physical devices.
-    pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Self {
+    pub(super) fn query(entry: &ash::Entry, instance: &ash::Instance, physical: vk::PhysicalDevice) -> Self {
         // Properties and features, each with its 1.2 extension chain.
         let mut more = vk::PhysicalDeviceVulkan12Properties::default();
         let mut third = vk::PhysicalDeviceMaintenance3Properties::default();
@@ -219,7 +219,7 @@ impl Adapter {
                 round_to_nearest: more.shader_rounding_mode_rte_float32 == vk::TRUE,
                 ..Limits::core(&base.limits, bits)
             },
-            offers: Offers::query(instance, physical, queue_family),
+            offers: Offers::query(entry, instance, physical, queue_family),
             unusable: lack(null, [major, minor], packed, family.is_some()),
             physical,
             queue_family,

@@ -1,23 +1,26 @@
 //! A listed frame as command buffers: which commands there are, and how they are submitted, is [`super::Choices`]'
 //! business.
 
-use std::ffi::CString;
+use std::time::Duration;
 
 use ash::vk;
 
 use super::call::vk_call;
 use super::choices::{Queues, Submissions};
-use super::faults::drops;
-use super::list::{Entry, Groups, Listed};
+use super::faults::{Told, drops, tell};
+use super::list::{Entry, Groups, Listed, Place};
 use super::logical_device::LogicalDevice;
 use super::order::{Wait, waits};
 use super::sets::Sets;
 use crate::error::Result;
 use barriers::STAGES;
 use batches::Batches;
+pub(super) use cuts::Paces;
 
 mod barriers;
 mod batches;
+mod cuts;
+mod labels;
 mod run;
 
 /// A frame in command buffers. What it uses lives as long as it does; buffers are the caller's.
@@ -25,6 +28,8 @@ pub(super) struct Encoded {
     device: LogicalDevice,
     list: Vec<Entry>,
     timed_parts: usize,
+    /// The entries before which another submission begins.
+    cuts: Vec<usize>,
     /// The dispatches of each part, and the waits before them.
     counts: Vec<[usize; 2]>,
     /// In the order of submission.
@@ -42,13 +47,14 @@ pub(super) struct Encoded {
 }
 
 impl Encoded {
-    /// Records a list, with timestamps around its first `timed_parts` parts.
-    pub(super) fn new(device: &LogicalDevice, list: Vec<Entry>, timed_parts: usize) -> Result<Self> {
+    /// Records a list, with timestamps around its first `timed_parts` parts, cut into submissions before these entries.
+    pub(super) fn new(device: &LogicalDevice, list: Vec<Entry>, timed_parts: usize, cuts: Vec<usize>) -> Result<Self> {
         let doing = "recording a frame";
         let mut encoded = Self {
             device: device.clone(),
             list,
             timed_parts,
+            cuts,
             counts: Vec::new(),
             primaries: Vec::new(),
             secondaries: Vec::new(),
@@ -73,6 +79,11 @@ impl Encoded {
         done.map(|()| encoded)
     }
 
+    /// Whether these times of its steps ask for the submissions that it has.
+    pub(super) fn is_cut_as(&self, paces: &Paces, limit: Duration) -> bool {
+        self.cuts == paces.cuts(&self.list, limit)
+    }
+
     /// Whether it is the recording of this list.
     pub(super) fn is_of(&self, list: &[Entry], timed_parts: usize) -> bool {
         self.timed_parts == timed_parts && self.list == list
@@ -92,6 +103,7 @@ impl Encoded {
 
     /// Ends the command buffer being recorded.
     fn end(&self) -> Result<()> {
+        tell(|| Told::Close);
         vk_call("vkEndCommandBuffer", "recording a frame", || {
             // SAFETY: the command buffer is complete; what it uses is owned by `self` or borrowed by the caller.
             unsafe { self.device.raw().end_command_buffer(self.now) }
@@ -105,60 +117,82 @@ impl Encoded {
             .iter()
             .filter_map(|entry| match entry {
                 Entry::Dispatch(listed) => Some(listed),
-                Entry::Begin(_) | Entry::End => None,
+                Entry::Begin(..) | Entry::End => None,
             })
             .collect();
         self.sets.prepare(&dispatches)?;
         let waits = self.find_waits(list, &dispatches)?;
         self.make_events(&waits, dispatches.len())?;
         let apart = choices.submissions == Submissions::Step || choices.queues != Queues::One;
-        let parts = list.iter().filter(|entry| matches!(entry, Entry::Begin(_))).count();
+        let parts = list.iter().filter(|entry| matches!(entry, Entry::Begin(..))).count();
         let (mut part, mut index) = (0, 0);
-        let mut open: Vec<usize> = Vec::new();
+        let mut open: Vec<(usize, &str, Place)> = Vec::new();
         for (at, entry) in list.iter().enumerate() {
+            if self.cuts.binary_search(&at).is_ok() {
+                self.cut(&open)?;
+            }
             match entry {
-                Entry::Begin(name) => {
+                Entry::Begin(name, place) => {
                     if choices.submissions == Submissions::Secondary && open.is_empty() {
                         self.begin(vk::CommandBufferLevel::SECONDARY)?;
                     }
                     if choices.queues != Queues::One && open.is_empty() {
                         self.reset_queries(part, 1 + inner_parts(&list[at + 1..]));
                     }
-                    self.begin_part(name, part);
-                    open.push(part);
+                    self.begin_part(name, *place, part);
+                    open.push((part, name, *place));
                     self.counts.push([0; 2]);
                     part += 1;
                 }
                 Entry::End => {
                     let ended = open.pop();
-                    self.end_part(ended.unwrap_or(usize::MAX));
-                    match choices.submissions {
-                        _ if !open.is_empty() => {}
-                        _ if apart && part < parts => {
-                            // It may be the last one of its queue.
-                            self.make_visible();
-                            self.end()?;
-                            self.begin(vk::CommandBufferLevel::PRIMARY)?;
-                        }
-                        Submissions::Secondary => self.execute()?,
-                        Submissions::Frame | Submissions::Step | Submissions::Reused => {}
+                    self.end_part(ended.map_or(usize::MAX, |(part, ..)| part));
+                    if open.is_empty() {
+                        self.end_step(apart && part < parts)?;
                     }
                 }
                 Entry::Dispatch(listed) => {
                     if let Some(wait) = &waits[index] {
                         self.wait(wait);
                     }
-                    if let Some(part) = open.last() {
+                    if let Some((part, ..)) = open.last() {
                         self.counts[*part][0] += 1;
                         self.counts[*part][1] += usize::from(waits[index].is_some());
                     }
+                    self.begin_label(&listed.kernel.name, open.last().map_or(Place::default(), |(.., place)| *place));
                     self.dispatch(listed, index);
+                    self.end_label();
                     index += 1;
                 }
             }
         }
         self.make_visible();
         self.end()
+    }
+
+    /// Goes on in another command buffer, within the same labels.
+    fn cut(&mut self, open: &[(usize, &str, Place)]) -> Result<()> {
+        // Barriers order what is submitted to one queue, wherever the command buffers end. Labels may go on in the next
+        // one, too, but Mesa 22.3 crashes then.
+        open.iter().for_each(|_| self.end_label());
+        self.end()?;
+        self.begin(vk::CommandBufferLevel::PRIMARY)?;
+        open.iter().for_each(|(_, name, place)| self.begin_label(name, *place));
+        Ok(())
+    }
+
+    /// Ends a step's command buffer, where it has one of its own; `apart` if another step's follows.
+    fn end_step(&mut self, apart: bool) -> Result<()> {
+        match self.device.choices().submissions {
+            _ if apart => {
+                // It may be the last one of its queue.
+                self.make_visible();
+                self.end()?;
+                self.begin(vk::CommandBufferLevel::PRIMARY)
+            }
+            Submissions::Secondary => self.execute(),
+            Submissions::Frame | Submissions::Step | Submissions::Reused => Ok(()),
+        }
     }
 
     /// What each dispatch waits for within its queue; also finds the batches where there are several queues.
@@ -195,25 +229,16 @@ impl Encoded {
         }
     }
 
-    fn begin_part(&self, name: &str, part: usize) {
+    fn begin_part(&self, name: &str, place: Place, part: usize) {
+        self.begin_label(name, place);
         // SAFETY: the command buffer is recording; the query lies within the pool.
-        unsafe {
-            if let (Some(debug), Ok(name)) = (self.device.debug(), CString::new(name)) {
-                let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
-                debug.cmd_begin_debug_utils_label(self.now, &label);
-            }
-            self.timestamp(part, 0);
-        }
+        unsafe { self.timestamp(part, 0) };
     }
 
     fn end_part(&self, part: usize) {
         // SAFETY: as above.
-        unsafe {
-            self.timestamp(part, 1);
-            if let Some(debug) = self.device.debug() {
-                debug.cmd_end_debug_utils_label(self.now);
-            }
-        }
+        unsafe { self.timestamp(part, 1) };
+        self.end_label();
     }
 
     /// SAFETY: the command buffer has to be recording.
@@ -227,6 +252,7 @@ impl Encoded {
 
     fn dispatch(&mut self, listed: &Listed, index: usize) {
         let (raw, kernel) = (self.device.raw(), &listed.kernel);
+        tell(|| Told::Dispatch(kernel.name.clone()));
         if drops(&kernel.name) {
             return;
         }
@@ -250,7 +276,7 @@ fn inner_parts(list: &[Entry]) -> usize {
     let (mut open, mut count) = (1, 0);
     for entry in list {
         match entry {
-            Entry::Begin(_) => (open, count) = (open + 1, count + 1),
+            Entry::Begin(..) => (open, count) = (open + 1, count + 1),
             Entry::End => open -= 1,
             Entry::Dispatch(_) => {}
         }

@@ -1,5 +1,5 @@
 //! Fault injection for tests: any call of Vulkan that can fail can be made to fail, adapters can be made to promise
-//! less than they do, and dispatches can be left out.
+//! less than they do, and dispatches can be left out. What tools are told can be listened to.
 //!
 //! Nothing is injected unless a test requests it on its own thread. A call that is to fail is not made at all, as if
 //! the driver had returned at once.
@@ -19,6 +19,21 @@ pub struct Call {
     pub doing: String,
 }
 
+/// What tools such as RenderDoc are told, and the dispatches that it is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// An object of a type, `FENCE`, has a name.
+    Name(String, String),
+    /// What is recorded next is within this label.
+    Begin(String),
+    /// A dispatch of this kernel is recorded.
+    Dispatch(String),
+    /// The latest label ends.
+    End,
+    /// A command buffer of a frame ends.
+    Close,
+}
+
 /// What the test on this thread requests.
 #[derive(Default)]
 struct Request {
@@ -26,6 +41,8 @@ struct Request {
     seen: Option<Vec<Call>>,
     /// The index of the call that is to fail.
     failing: Option<usize>,
+    /// What tools have been told so far, where that is listened to.
+    told: Option<Vec<Told>>,
     alter: Option<fn(&mut Adapter)>,
     /// Which kernels' dispatches are left out.
     dropped: Option<fn(&str) -> bool>,
@@ -51,6 +68,23 @@ pub fn on_idle<T>(dropped: fn(&str) -> bool, body: impl FnOnce() -> T) -> T {
     let done = body();
     REQUEST.with_borrow_mut(|request| request.dropped = None);
     done
+}
+
+/// Runs `body`, and lists what it tells tools on this thread.
+pub fn listen<T>(body: impl FnOnce() -> T) -> (T, Vec<Told>) {
+    REQUEST.with_borrow_mut(|request| request.told = Some(Vec::new()));
+    let done = body();
+    let told = REQUEST.with_borrow_mut(|request| request.told.take());
+    (done, told.unwrap_or_default())
+}
+
+/// Notes what tools are told, where a test listens.
+pub(super) fn tell(what: impl FnOnce() -> Told) {
+    REQUEST.with_borrow_mut(|request| {
+        if let Some(told) = &mut request.told {
+            told.push(what());
+        }
+    });
 }
 
 /// Whether a dispatch of this kernel is to be left out.

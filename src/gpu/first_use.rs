@@ -88,7 +88,7 @@ fn dispatch_nothing(device: &LogicalDevice, bound: &Buffer, key: &KernelKey) -> 
     let ranges = vec![range; kernel.accesses.len()];
     let push = vec![0; kernel.push_bytes as usize];
     let listed = Listed { kernel, ranges, push, groups: Groups::Direct([0; 3]) };
-    let encoded = Encoded::new(device, vec![Entry::Dispatch(listed)], 0)?;
+    let encoded = Encoded::new(device, vec![Entry::Dispatch(listed)], 0, Vec::new())?;
     let begin = Instant::now();
     encoded.run()?;
     Ok(begin.elapsed())

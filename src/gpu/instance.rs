@@ -162,8 +162,8 @@ impl Instance {
             // SAFETY: the instance is alive.
             unsafe { self.0.raw.enumerate_physical_devices() }
         })?;
-        let mut found: Vec<_> =
-            list.into_iter().map(|physical| altered(Adapter::query(&self.0.raw, physical))).collect();
+        let query = |physical| altered(Adapter::query(&self.0.entry, &self.0.raw, physical));
+        let mut found: Vec<_> = list.into_iter().map(query).collect();
         Adapter::tell_apart(&mut found);
         Ok(found)
     }

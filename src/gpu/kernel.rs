@@ -204,6 +204,7 @@ impl Kernel {
         unsafe {
             let info = vk::ShaderModuleCreateInfo::default().code(&words);
             let module = vk_call("vkCreateShaderModule", &doing, || raw.create_shader_module(&info, None))?;
+            device.label(module, &self.name);
             let mut size = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default();
             let mut stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
@@ -214,7 +215,10 @@ impl Kernel {
             if self.shuffles && device.grants_full_subgroups(self.across) {
                 stage = stage.flags(vk::PipelineShaderStageCreateFlags::REQUIRE_FULL_SUBGROUPS);
             }
-            if let Some(subgroup) = device.subgroup(self.shuffles) {
+            // Groups that take more subgroups of that size than a group can have do without; they do not shuffle.
+            let most = device.adapter().offers.most_subgroups;
+            let fits = |size: &u32| self.group <= size.saturating_mul(most);
+            if let Some(subgroup) = device.subgroup(self.shuffles).filter(fits) {
                 size = size.required_subgroup_size(subgroup);
                 stage = stage.push_next(&mut size);
             }

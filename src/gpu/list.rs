@@ -1,6 +1,8 @@
 //! A frame as a list: what its entries are, and how long its parts took.
 
+use std::fmt::{Display, Formatter};
 use std::rc::Rc;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 
@@ -16,6 +18,9 @@ pub struct Timing {
     /// When it began, milliseconds after the first part of its submission; not a number where the device has no
     /// timestamps.
     pub start: f64,
+    /// When it began by the host's clock, and how far that may be off; none unless the device's clock is read: see
+    /// [`super::LogicalDevice::align_clocks`].
+    pub began: Option<(Instant, Duration)>,
     /// Its dispatches; 0 for what the host does.
     pub dispatches: usize,
     /// The barriers recorded before them.
@@ -57,11 +62,22 @@ impl PartialEq for Listed {
     }
 }
 
+/// Which part of the work it is that a part of a frame does, for labels: words with numbers, `object 0, batch 2`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place(pub [Option<(&'static str, usize)>; 3]);
+
+impl Display for Place {
+    fn fmt(&self, out: &mut Formatter<'_>) -> std::fmt::Result {
+        let words = self.0.iter().flatten().map(|(word, number)| format!("{word} {number}"));
+        out.write_str(&words.collect::<Vec<_>>().join(", "))
+    }
+}
+
 /// An entry of the list.
 #[derive(Clone, PartialEq)]
 pub(super) enum Entry {
-    /// A part begins.
-    Begin(String),
+    /// A part of this name begins.
+    Begin(String, Place),
     /// A dispatch.
     Dispatch(Listed),
     /// A part ends.

@@ -2,11 +2,13 @@
 //! recordings hold a clone of it.
 
 mod again;
+mod clock;
 mod create;
 mod pipeline_cache;
 
 use std::cell::{Cell, RefCell};
 use std::ffi::CString;
+use std::fmt::Display;
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -19,6 +21,7 @@ use super::allocator::{Memory, MemoryUse};
 use super::call::vk_call;
 use super::choices::Choices;
 use super::extras::Extras;
+use super::faults::{Told, tell};
 use super::instance::Instance;
 use crate::error::{Error, Result};
 use create::{create, opening};
@@ -27,6 +30,9 @@ use submission::GRACE;
 
 mod spares;
 mod submission;
+
+/// How long a part of a frame should take that is one submission, unless [`LogicalDevice::cut_at`] sets another limit.
+const LONGEST: Duration = Duration::from_millis(500);
 
 /// How long a submission may take, unless [`LogicalDevice::wait_at_most`] sets another limit.
 const PATIENCE: Duration = Duration::from_secs(600);
@@ -51,8 +57,12 @@ struct Inner {
     memory: Memory,
     /// How long a submission may take.
     patience: Cell<Duration>,
+    /// How long a part of a frame may take that is one submission.
+    longest: Cell<Duration>,
     /// Whether kernels are compiled ahead of the frame that first uses them, where that is any use.
     ahead: Cell<bool>,
+    /// Whether the device's clock is read after each frame that is timed.
+    aligned: Cell<bool>,
     /// Submissions so far.
     submissions: Cell<u64>,
     /// The fence of a submission that exceeded its limit and may still be running; null where there is none.
@@ -90,7 +100,9 @@ impl LogicalDevice {
             extras: extras.clone(),
             memory: Memory::default(),
             patience: Cell::new(PATIENCE),
+            longest: Cell::new(LONGEST),
             ahead: Cell::default(),
+            aligned: Cell::default(),
             submissions: Cell::default(),
             late: Cell::default(),
             grace: Cell::new(GRACE),
@@ -115,6 +127,11 @@ impl LogicalDevice {
         // SAFETY: the device is alive.
         inner.pool = vk_call("vkCreateCommandPool", &doing, || unsafe { inner.raw.create_command_pool(&pool, None) })?;
         let device = Self(Rc::new(inner));
+        device.label(device.raw().handle(), &adapter.name);
+        device.label(device.0.pool, "commands");
+        device.label(queues[1], "second compute queue");
+        // The only one, where there are not two.
+        device.label(queues[0], "compute queue");
         device.renew_pipeline_cache(&[])?;
         Ok(device)
     }
@@ -142,6 +159,12 @@ impl LogicalDevice {
     /// Sets how long a submission may take before the device counts as hung; the default is ten minutes.
     pub fn wait_at_most(&self, patience: Duration) {
         self.0.patience.set(patience);
+    }
+
+    /// Sets how long a submission should take: a frame is cut into several, as its steps' last times say, where the
+    /// device is no processor; the default is half a second, since the driver of a display resets a device after two.
+    pub fn cut_at(&self, longest: Duration) {
+        self.0.longest.set(longest);
     }
 
     /// The adapter.
@@ -198,9 +221,12 @@ impl LogicalDevice {
         &self.0.memory
     }
 
-    /// Gives a handle the name that tools and validation messages show.
-    pub(super) fn label<T: vk::Handle>(&self, handle: T, name: &str) {
-        if let (Some(debug), Ok(name)) = (&self.0.debug, CString::new(name)) {
+    /// Gives a handle the name that tools and validation messages show, where the loader offers names.
+    pub(super) fn label<T: vk::Handle>(&self, handle: T, name: impl Display) {
+        let Some(debug) = &self.0.debug else { return };
+        let text = name.to_string();
+        if let Ok(name) = CString::new(text.as_str()) {
+            tell(|| Told::Name(format!("{:?}", T::TYPE), text));
             let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
             // Nothing depends on a name, so a failure to set it is ignored.
             let _ = vk_call("vkSetDebugUtilsObjectNameEXT", "naming", || {

@@ -70,7 +70,7 @@ pub use instance::Instance;
 pub(crate) use interface::{disassembled, interface};
 pub use kernel::{Kernel, KernelKey, set_by_device};
 pub use kernels::Kernels;
-pub use list::Timing;
+pub use list::{Place, Timing};
 pub use logical_device::LogicalDevice;
 pub use memory::Buffer;
 pub use offers::Offers;

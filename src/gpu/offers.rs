@@ -17,6 +17,8 @@ pub struct Offers {
     /// The smallest and the largest subgroup size that a pipeline can require; none without
     /// `VK_EXT_subgroup_size_control`.
     pub(super) subgroups: Option<[u32; 2]>,
+    /// The most subgroups of a required size in a group.
+    pub(super) most_subgroups: u32,
     /// Whether a pipeline can require that all subgroups are full, by the same extension.
     pub(super) full_subgroups: bool,
     /// Whether kernels can shuffle values in a subgroup.
@@ -27,6 +29,8 @@ pub struct Offers {
     pub(super) statistics: bool,
     /// Whether it is a driver of a part of Vulkan, which has to be opened as such: `VK_KHR_portability_subset`.
     pub(super) portability_subset: bool,
+    /// The extension by which its clock can be read.
+    pub(super) clock: Option<&'static CStr>,
     /// How many queues the family of its compute queue has.
     queues: u32,
     /// Whether it has timeline semaphores.
@@ -39,7 +43,12 @@ pub struct Offers {
 
 impl Offers {
     /// What an instance says of one of its physical devices, whose compute queue is of this family.
-    pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Self {
+    pub(super) fn query(
+        entry: &ash::Entry,
+        instance: &ash::Instance,
+        physical: vk::PhysicalDevice,
+        family: u32,
+    ) -> Self {
         // SAFETY: a plain query on a device of this instance.
         let extensions = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
         let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|known| known == name));
@@ -81,6 +90,7 @@ impl Offers {
             push_descriptors: pushes.max_push_descriptors,
             synchronization2: second.synchronization2 == vk::TRUE,
             subgroups: sized.then_some([subgroups.min_subgroup_size, subgroups.max_subgroup_size]),
+            most_subgroups: subgroups.max_compute_workgroup_subgroups,
             shuffles: operations.supported_stages.contains(vk::ShaderStageFlags::COMPUTE)
                 && operations
                     .supported_operations
@@ -95,12 +105,10 @@ impl Offers {
             queues: families.get(family as usize).map_or(0, |family| family.queue_count),
             statistics: has(khr::pipeline_executable_properties::NAME),
             portability_subset: has(khr::portability_subset::NAME),
+            clock: CLOCKS.into_iter().find(|name| has(name) && reads_clock(entry, instance, physical, name)),
             timelines: timeline.timeline_semaphore == vk::TRUE,
             memory_types: memory_types(memory.memory_types_as_slice()),
-            local_visible: memory
-                .memory_types_as_slice()
-                .iter()
-                .any(|kind| kind.property_flags.contains(LOCAL_VISIBLE)),
+            local_visible: memory.memory_types_as_slice().iter().any(is_local_visible),
         }
     }
 
@@ -140,12 +148,33 @@ impl Offers {
     }
 }
 
+/// Whether the device's own clock is one of those that this extension of it reads.
+fn reads_clock(entry: &ash::Entry, instance: &ash::Instance, physical: vk::PhysicalDevice, extension: &CStr) -> bool {
+    use ext::calibrated_timestamps::Instance as OfExt;
+    use khr::calibrated_timestamps::Instance as OfKhr;
+    // SAFETY: a plain query on a device of this instance that has the extension.
+    let clocks = unsafe {
+        match extension == khr::calibrated_timestamps::NAME {
+            true => OfKhr::new(entry, instance).get_physical_device_calibrateable_time_domains(physical),
+            false => OfExt::new(entry, instance).get_physical_device_calibrateable_time_domains(physical),
+        }
+    };
+    clocks.is_ok_and(|clocks| clocks.contains(&vk::TimeDomainKHR::DEVICE))
+}
+
+/// Extensions that read a device's clock.
+const CLOCKS: [&CStr; 2] = [khr::calibrated_timestamps::NAME, ext::calibrated_timestamps::NAME];
+
 /// Properties of memory that is the device's own and that the host sees.
 const LOCAL_VISIBLE: vk::MemoryPropertyFlags = vk::MemoryPropertyFlags::from_raw(
     vk::MemoryPropertyFlags::DEVICE_LOCAL.as_raw()
         | vk::MemoryPropertyFlags::HOST_VISIBLE.as_raw()
         | vk::MemoryPropertyFlags::HOST_COHERENT.as_raw(),
 );
+
+fn is_local_visible(kind: &vk::MemoryType) -> bool {
+    kind.property_flags.contains(LOCAL_VISIBLE)
+}
 
 /// The first type for each location as the allocator chooses it.
 fn memory_types(types: &[vk::MemoryType]) -> [Option<usize>; 3] {

@@ -2,14 +2,15 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::time::Duration;
 
 use super::bind::Binding;
-use super::choices::{Constants, Submissions};
+use super::choices::{Constants, Queues, Submissions};
 use super::count;
-use super::encode::Encoded;
+use super::encode::{Encoded, Paces};
 use super::first_use;
 use super::kernel::Kernel;
-use super::list::{BoundRange, Entry, Groups, Listed, Timing};
+use super::list::{BoundRange, Entry, Groups, Listed, Place, Timing};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use crate::error::{Error, Result};
@@ -48,7 +49,12 @@ impl Recorder {
 
     /// Lists what `body` lists as a part of this name: within a debug label, and with a timestamp before and after.
     pub fn part(&mut self, name: &str, body: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
-        self.list.push(Entry::Begin(name.to_string()));
+        self.part_of(name, Place::default(), body)
+    }
+
+    /// The same for this part of the work.
+    pub fn part_of(&mut self, name: &str, of: Place, body: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        self.list.push(Entry::Begin(name.to_string(), of));
         let done = body(self);
         self.list.push(Entry::End);
         done
@@ -126,16 +132,30 @@ impl Recorder {
     /// Submits the frame, waits for it, and returns the time of each part on the device.
     pub fn submit(self) -> Result<Vec<Timing>> {
         first_use::compile(&self.device, &self.list);
-        Encoded::new(&self.device, self.list, self.timed_parts)?.run()
+        Encoded::new(&self.device, self.list, self.timed_parts, Vec::new())?.run()
     }
 
-    /// The same, by the kept recording of an equal frame, if there is one.
+    /// Whether a frame that takes long is cut into several submissions: not on a processor, which has no display.
+    fn cuts(&self) -> bool {
+        let choices = self.device.choices();
+        let whole = matches!(choices.submissions, Submissions::Reused | Submissions::Frame);
+        whole && choices.queues == Queues::One && self.device.adapter().kind != "cpu"
+    }
+
+    /// The same, by the kept recording of an equal frame, if there is one; in several submissions if that takes long.
     pub fn submit_again(self, kept: &Recordings) -> Result<Vec<Timing>> {
-        if self.device.choices().submissions != Submissions::Reused {
-            return self.submit();
+        let (device, paces, cut) = (self.device.clone(), &kept.paces, self.cuts());
+        let limit = device.longest();
+        let cuts = |list: &[Entry]| if cut { paces.cuts(list, limit) } else { Vec::new() };
+        if device.choices().submissions != Submissions::Reused {
+            first_use::compile(&device, &self.list);
+            let cuts = cuts(&self.list);
+            return Encoded::new(&device, self.list, self.timed_parts, cuts)?.run().inspect(|times| paces.note(times));
         }
-        let mut kept = kept.0.borrow_mut();
-        let at = match kept.iter().position(|recording| recording.is_of(&self.list, self.timed_parts)) {
+        let mut kept = kept.kept.borrow_mut();
+        let known = kept.iter().position(|recording| recording.is_of(&self.list, self.timed_parts));
+        let new = known.is_none();
+        let at = match known {
             // The recording that was used last is the last to be forgotten.
             Some(at) => {
                 kept[at..].rotate_left(1);
@@ -145,14 +165,23 @@ impl Recorder {
                 if kept.len() == MOST_KEPT {
                     kept.remove(0);
                 }
-                first_use::compile(&self.device, &self.list);
-                kept.push(Encoded::new(&self.device, self.list, self.timed_parts)?);
+                first_use::compile(&device, &self.list);
+                let cuts = cuts(&self.list);
+                kept.push(Encoded::new(&device, self.list, self.timed_parts, cuts)?);
                 kept.len() - 1
             }
         };
         let done = kept[at].run();
-        if done.is_err() {
-            kept.clear();
+        match &done {
+            Err(_) => kept.clear(),
+            // A frame that has not run before tells how long its steps take, and so does one that takes long.
+            Ok(times) if cut && (new || total(times) > limit) => {
+                paces.note(times);
+                if !kept[at].is_cut_as(paces, limit) {
+                    kept.remove(at);
+                }
+            }
+            Ok(_) => {}
         }
         done
     }
@@ -163,13 +192,22 @@ const MOST_KEPT: usize = 128;
 
 /// Recordings of frames that may come again.
 #[derive(Default)]
-pub struct Recordings(RefCell<Vec<Encoded>>);
+pub struct Recordings {
+    kept: RefCell<Vec<Encoded>>,
+    /// How long their steps took.
+    paces: Paces,
+}
 
 impl Recordings {
     /// Forgets all recordings, since buffers that they bind are gone.
     pub fn clear(&self) {
-        self.0.borrow_mut().clear();
+        self.kept.borrow_mut().clear();
     }
+}
+
+/// How long the steps of a frame took together.
+fn total(times: &[Timing]) -> Duration {
+    Duration::from_secs_f64(times.iter().map(|time| time.milliseconds.max(0.0)).sum::<f64>() * 1e-3)
 }
 
 fn range(buffer: &Buffer, offset: u64, size: u64) -> BoundRange {

@@ -56,7 +56,7 @@ impl Sets {
                     let key = (listed.kernel.pipeline.as_raw(), listed.ranges.as_slice());
                     let set = match made.get(&key) {
                         Some(known) => *known,
-                        None => self.make(listed.kernel.set_layout, &bindings(listed))?,
+                        None => self.make_for(listed)?,
                     };
                     made.insert(key, set);
                     self.of_dispatch.push(set);
@@ -64,7 +64,7 @@ impl Sets {
             }
             Descriptors::Dispatch => {
                 for listed in dispatches {
-                    let set = self.make(listed.kernel.set_layout, &bindings(listed))?;
+                    let set = self.make_for(listed)?;
                     self.of_dispatch.push(set);
                 }
             }
@@ -94,7 +94,7 @@ impl Sets {
                 })
                 .count();
             let all: Vec<_> = agreed.into_iter().collect();
-            let set = self.make(listed.kernel.set_layout, &all)?;
+            let set = self.make(listed.kernel.set_layout, &all, "buffers of a frame")?;
             self.of_dispatch.extend(vec![set; count]);
             first += count;
         }
@@ -120,7 +120,7 @@ impl Sets {
         buffer.mapped(doing)?[..bytes.len()].copy_from_slice(&bytes);
         let layout = dispatches.iter().map(|listed| listed.kernel.uniform_layout);
         let layout = layout.into_iter().find(|layout| *layout != vk::DescriptorSetLayout::null()).unwrap_or_default();
-        let set = self.allocate(layout)?;
+        let set = self.allocate(layout, "constants of a frame")?;
         let info = [vk::DescriptorBufferInfo { buffer: buffer.raw, offset: 0, range: most as u64 }];
         let write = vk::WriteDescriptorSet::default()
             .dst_set(set)
@@ -132,9 +132,19 @@ impl Sets {
         Ok(())
     }
 
+    /// A set for this dispatch.
+    fn make_for(&mut self, listed: &Listed) -> Result<vk::DescriptorSet> {
+        self.make(listed.kernel.set_layout, &bindings(listed), &listed.kernel.name)
+    }
+
     /// A set of this layout with these ranges, by binding.
-    fn make(&mut self, layout: vk::DescriptorSetLayout, ranges: &[(u32, BoundRange)]) -> Result<vk::DescriptorSet> {
-        let set = self.allocate(layout)?;
+    fn make(
+        &mut self,
+        layout: vk::DescriptorSetLayout,
+        ranges: &[(u32, BoundRange)],
+        name: &str,
+    ) -> Result<vk::DescriptorSet> {
+        let set = self.allocate(layout, name)?;
         let infos = infos(ranges);
         let writes = writes(ranges, &infos, set);
         // SAFETY: set and buffers are alive, and nothing is running that uses the set.
@@ -143,7 +153,7 @@ impl Sets {
     }
 
     /// A new set of this layout.
-    fn allocate(&mut self, layout: vk::DescriptorSetLayout) -> Result<vk::DescriptorSet> {
+    fn allocate(&mut self, layout: vk::DescriptorSetLayout, name: &str) -> Result<vk::DescriptorSet> {
         let doing = "binding the buffers of a frame";
         let (raw, choices) = (self.device.raw(), self.device.choices());
         if self.left == 0
@@ -169,12 +179,14 @@ impl Sets {
                 let info =
                     vk::DescriptorPoolCreateInfo::default().flags(flags).max_sets(SETS).pool_sizes(&sizes[..used]);
                 self.pools.push(vk_call("vkCreateDescriptorPool", doing, || raw.create_descriptor_pool(&info, None))?);
+                self.device.label(self.pools[self.pools.len() - 1], "sets of a frame");
                 self.left = SETS;
             }
             let layouts = [layout];
             let pool = self.pools.last().copied().unwrap_or_default();
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
             let set = vk_call("vkAllocateDescriptorSets", doing, || raw.allocate_descriptor_sets(&info))?[0];
+            self.device.label(set, name);
             self.left -= 1;
             Ok(set)
         }

@@ -145,7 +145,7 @@ impl DeviceState {
         let mut recorder = Recorder::new(self.device(), parts)?;
         for step in steps {
             let list = |recorder: &mut Recorder| (step.stage.gpu)(&mut Pass::record(state, *step, self, recorder));
-            if by_kernel { list(&mut recorder)? } else { recorder.part(step.stage.name, list)? }
+            if by_kernel { list(&mut recorder)? } else { recorder.part_of(step.stage.name, step.place(), list)? }
         }
         self.execution().list(&mut recorder)?;
         let times = recorder.submit_again(self.recordings())?;
@@ -168,7 +168,7 @@ impl DeviceState {
     pub fn run_part(&self, state: &State, step: Step, index: usize) -> Result<(Option<Timing>, bool)> {
         let mut recorder = Recorder::new(self.device(), 1)?;
         let mut seen = 0;
-        recorder.part(step.stage.name, |recorder| {
+        recorder.part_of(step.stage.name, step.place(), |recorder| {
             let sink = Sink::Part(self, recorder, OneOf { index, seen: &mut seen });
             (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink })
         })?;
@@ -233,7 +233,8 @@ impl<'s> Pass<'s> {
             Sink::Device(device_state, recorder) => {
                 let (state, call) = (self.state, Call { kernel: &kernel, constants, push, at: self.at, groups });
                 if device_state.device().choices().by_kernel {
-                    recorder.part(&kernel, |recorder| device_state.submit(recorder, state, &call))?;
+                    let list = |recorder: &mut Recorder| device_state.submit(recorder, state, &call);
+                    recorder.part_of(&kernel, self.step.place(), list)?;
                 } else {
                     device_state.submit(recorder, state, &call)?;
                 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use crate::error::Result;
-use crate::gpu::{accesses, kernel_names};
+use crate::gpu::{Place, accesses, kernel_names};
 use crate::layout::{BUFFER_IDS, BufferId};
 
 use super::{Carrier, Granularity, Method, Object, Pass, Scope, State, Tolerance, Update};
@@ -30,21 +30,31 @@ impl Step {
         (stage.cpu)(&mut alone, Scope { object: 0, ..at });
         state.take(at.object, &alone, stage.writes.iter().map(|(id, _, _)| *id));
     }
+
+    /// Which part of the work it does.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        let Scope { object, chunk, group } = self.at;
+        let [object, group] = [("object", object), ("channel group", group)].map(Some);
+        let chunk = |word| Some((word, chunk));
+        Place(match self.stage.granularity {
+            _ if self.at == Scope::SCENE => [None; 3],
+            Granularity::Scene => [None; 3],
+            Granularity::Object => [object, None, None],
+            Granularity::Chunk => [object, chunk("chunk"), None],
+            Granularity::Group => [object, group, None],
+            Granularity::Batch => [object, group, chunk("batch")],
+            Granularity::Iteration => [object, chunk("iteration"), None],
+        })
+    }
 }
 
 /// In words, with the scope's numbers from 0 on: `link of object 0, channel group 1, batch 2`.
 impl std::fmt::Display for Step {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Scope { object, chunk, group } = self.at;
-        let name = self.stage.name;
-        match self.stage.granularity {
-            _ if self.at == Scope::SCENE => write!(out, "{name} of the whole scene"),
-            Granularity::Scene => write!(out, "{name} of the whole scene"),
-            Granularity::Object => write!(out, "{name} of object {object}"),
-            Granularity::Chunk => write!(out, "{name} of object {object}, chunk {chunk} of its tree"),
-            Granularity::Group => write!(out, "{name} of object {object}, channel group {group}"),
-            Granularity::Batch => write!(out, "{name} of object {object}, channel group {group}, batch {chunk}"),
-            Granularity::Iteration => write!(out, "{name} of object {object}, iteration {chunk}"),
+        match (self.stage.name, self.place()) {
+            (name, place) if place == Place::default() => write!(out, "{name} of the whole scene"),
+            (name, place) => write!(out, "{name} of {place}"),
         }
     }
 }

@@ -133,9 +133,12 @@ fn a_session_survives() {
                 session.show([&first, &second][turn % 2])?;
                 frame(session)
             };
-            let (_, calls) = watch(None, || next(&mut session, 1).unwrap());
+            // The second frame finds all kernels made, as further ones do; naming an object may fail without harm.
+            watch(None, || next(&mut session, 1).unwrap());
+            let (_, calls) = watch(None, || next(&mut session, 2).unwrap());
+            let harmful: Vec<usize> = (0..calls.len()).filter(|k| !HARMLESS.contains(&calls[*k].name)).collect();
             let mut failed = 0;
-            for (k, turn) in each_once(&calls).into_iter().zip(2..) {
+            for (k, turn) in harmful.iter().copied().step_by(harmful.len().div_ceil(40)).zip(3..) {
                 let (done, _) = watch(Some(k), || next(&mut session, turn));
                 failed += usize::from(done.is_err());
                 assert_eq!(frame(&mut session).unwrap(), right[turn % 2], "after {k}: {:?}", calls[k]);

@@ -1,13 +1,17 @@
 //! Devices with lower limits: work is split to fit, done differently with a message, or refused by name. The limits are
 //! lowered on a real device.
 
+use std::time::Duration;
+
+use super::variants::some;
 use crate::devices::on_devices;
 use crate::shell;
 use milkglass::internals::gpu::faults::on_altered;
-use milkglass::internals::gpu::{Adapter, Device, Instance, Limits};
+use milkglass::internals::gpu::{Adapter, Choices, Device, Instance, Limits, accesses, kernel_names};
 use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::internals::session::run::{CapacityHints, Session};
+use milkglass::measure::conform::conform;
 use milkglass::scene::Scene;
 
 fn scene(scheme: &str) -> Scene {
@@ -153,6 +157,80 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
             let options = Options { mode: Mode::Keep, ..Options::default() };
             let said = Session::with_capacity(&scene, Some(device), options, room).err().unwrap().to_string();
             assert!(said.contains("keeping lists") && said.contains("--aov"), "{said}");
+        }
+    });
+}
+
+#[test]
+fn kernels_bind_no_more_buffers_than_devices_have() {
+    // Metal has 31 for all kinds, some drivers for it 16 for storage; one more is bound where a kernel counts its work.
+    let most = kernel_names().map(|name| (accesses(name).unwrap().len() + 1, name)).max().unwrap();
+    assert!(most.0 <= 16 && most.0 > 8, "{most:?}");
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn a_frame_that_takes_long_is_several_submissions() {
+    with(|device, instance| {
+        let scene = scene("blocks");
+        let frames = |kind: &'static str, longest: Duration| {
+            let mut adapter =
+                instance.adapters().unwrap().into_iter().find(|adapter| adapter.name == device.name()).unwrap();
+            adapter.kind = kind;
+            let device =
+                Device::open_as(instance, &adapter, &Choices { lanes: Some(1), ..Choices::default() }).unwrap();
+            device.cut_at(longest);
+            let options = Options { mode: Mode::OnTheFly, goal: Goal::Picture, ..Options::default() };
+            let mut session = Session::new(&scene, Some(&device), options).unwrap();
+            let counts = [0; 3].map(|_| {
+                let before = device.submissions();
+                session.frame(Change::EVERYTHING).unwrap();
+                device.submissions() - before
+            });
+            let dispatches = session.dispatches(Change::EVERYTHING).unwrap();
+            let mut stages: Vec<_> = dispatches.iter().map(|dispatch| (dispatch.stage, dispatch.at)).collect();
+            stages.dedup();
+            (counts, stages.len() as u64, dispatches.len() as u64, session.picture().unwrap().pixels)
+        };
+        let hour = Duration::from_secs(3600);
+        let (whole, _, _, picture) = frames("cpu", hour);
+        // Before their times are known, steps are submitted one by one.
+        let (first, steps, _, same) = frames("discrete", hour);
+        assert!(first[0] >= whole[0] + steps - 1 && first[2] == whole[2] && same == picture, "{first:?}, {whole:?}");
+        // Of steps that take longer than a submission should each dispatch is one.
+        let (cut, _, dispatches, same) = frames("discrete", Duration::from_nanos(1));
+        assert!(cut[2] + 1 >= whole[2] + dispatches && same == picture, "{cut:?}, {whole:?}, {dispatches} dispatches");
+    });
+}
+
+/// A device that has what each has to have, in groups that share items, and says that its subgroups are so large.
+fn clamped<const SUBGROUP: u32>(adapter: &mut Adapter) {
+    adapter.kind = "discrete";
+    let limits = &mut adapter.limits;
+    limits.subgroup_size = SUBGROUP;
+    limits.group_invocations = 128;
+    limits.binding_bytes = limits.binding_bytes.min(128 << 20);
+    (limits.storage_buffers, limits.push_bytes) = (16, 128);
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn fixtures_conform_within_the_least_limits() {
+    const SIZES: [fn(&mut Adapter); 6] =
+        [clamped::<4>, clamped::<8>, clamped::<16>, clamped::<32>, clamped::<64>, clamped::<128>];
+    let fixtures = some();
+    with(|device, instance| {
+        for (turn, size) in SIZES.into_iter().enumerate() {
+            let adapters = on_altered(size, || instance.adapters().unwrap());
+            let adapter = adapters.into_iter().find(|adapter| adapter.name == device.name()).unwrap();
+            let small = Device::open(instance, &adapter).unwrap();
+            // Each fixture with two sizes.
+            for fixture in fixtures.iter().cycle().skip(turn).step_by(3).take(2) {
+                let rows = conform(&small, fixture, &[]).unwrap();
+                let faults: Vec<&String> = rows.iter().flat_map(|row| &row.faults).collect();
+                let size = adapter.limits.subgroup_size;
+                assert!(!rows.is_empty() && faults.is_empty(), "{}, subgroups of {size}: {faults:?}", fixture.name);
+            }
         }
     });
 }

@@ -9,6 +9,7 @@ mod fingerprints;
 mod guards;
 mod idle;
 mod instrument;
+mod labels;
 mod lanes;
 mod limits;
 mod mutants;

@@ -21,7 +21,7 @@ const SOME: &[&str] = &[
     "walk through clear and dark media",
 ];
 
-fn some() -> Vec<Fixture> {
+pub fn some() -> Vec<Fixture> {
     let found = made(|name| SOME.contains(&name)).unwrap();
     assert_eq!(found.len(), SOME.len());
     found

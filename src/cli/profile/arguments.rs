@@ -100,7 +100,7 @@ impl Arguments {
             enough: budget.unwrap_or(f64::INFINITY),
             until,
             seed,
-            counts_links: false,
+            traces: false,
         }
     }
 
@@ -108,8 +108,8 @@ impl Arguments {
     pub(super) fn alone(&self, settings: &Settings) -> Settings {
         let replaced = !self.replace.pairs().is_empty();
         let frames = if replaced { settings.frames.min(FRAMES as usize) } else { settings.frames };
-        let (until, counts_links) = (settings.until.filter(|_| !replaced), self.trace.is_some());
-        Settings { frames, until, counts_links, ..*settings }
+        let (until, traces) = (settings.until.filter(|_| !replaced), self.trace.is_some());
+        Settings { frames, until, traces, ..*settings }
     }
 
     /// Fails if there are several devices and an option that goes with one only.

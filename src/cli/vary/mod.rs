@@ -108,7 +108,7 @@ impl Arguments {
             enough: budget.unwrap_or(BUDGET),
             until,
             seed,
-            counts_links: false,
+            traces: false,
         }
     }
 

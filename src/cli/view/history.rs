@@ -24,8 +24,8 @@ impl History {
 
     /// Adds a frame that began at `start` and has just ended.
     pub(super) fn add(&mut self, start: Instant, steps: Vec<Timing>) {
-        let wall = start.elapsed().as_secs_f64() * 1e3;
-        for name in steps.iter().map(stage_of) {
+        let frame = Frame::since(start, steps);
+        for name in frame.steps.iter().map(stage_of) {
             if !self.stages.iter().any(|known| known == name) {
                 self.stages.push(name.to_owned());
             }
@@ -33,12 +33,7 @@ impl History {
         if self.frames.len() == KEPT {
             self.frames.pop_front();
         }
-        self.frames.push_back(Frame {
-            start: start.duration_since(self.begin).as_secs_f64() * 1e3,
-            wall,
-            steps,
-            ..Frame::default()
-        });
+        self.frames.push_back(Frame { start: start.duration_since(self.begin).as_secs_f64() * 1e3, ..frame });
     }
 
     /// How long each stage ran in a frame, ms on the device: in the order of `stages`, 0 where it is not known.

@@ -31,6 +31,7 @@ impl Encoded {
                 self.events[wait.after] = vk_call("vkCreateEvent", "recording a frame", || unsafe {
                     self.device.raw().create_event(&vk::EventCreateInfo::default(), None)
                 })?;
+                self.device.label(self.events[wait.after], format_args!("after dispatch {}", wait.after));
             }
         }
         Ok(())

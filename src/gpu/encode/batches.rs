@@ -59,6 +59,7 @@ impl Batches {
             *timeline = vk_call("vkCreateSemaphore", "recording a frame", || unsafe {
                 device.raw().create_semaphore(&info, None)
             })?;
+            device.label(*timeline, "batches that are done");
         }
         Ok(batches)
     }
@@ -130,11 +131,11 @@ impl Drop for Batches {
 
 /// The dispatches of each command buffer by what they use: a new one begins after a step, if another step follows.
 fn steps(list: &[Entry]) -> Vec<Vec<Vec<Use>>> {
-    let last = list.iter().rposition(|entry| matches!(entry, Entry::Begin(_))).unwrap_or(0);
+    let last = list.iter().rposition(|entry| matches!(entry, Entry::Begin(..))).unwrap_or(0);
     let (mut all, mut open) = (vec![Vec::new()], 0);
     for (at, entry) in list.iter().enumerate() {
         match entry {
-            Entry::Begin(_) => open += 1,
+            Entry::Begin(..) => open += 1,
             Entry::End => {
                 open -= 1;
                 if open == 0 && at < last {

@@ -15,7 +15,7 @@ impl Encoded {
         let mut dispatches = 0;
         for entry in &self.list {
             match entry {
-                Entry::Begin(name) => stages.push(name.clone()),
+                Entry::Begin(name, _) => stages.push(name.clone()),
                 Entry::Dispatch(_) => dispatches += 1,
                 Entry::End => {}
             }
@@ -39,6 +39,11 @@ impl Encoded {
                 unsafe { raw.get_query_pool_results(self.queries.0, 0, &mut ticks, flags) }
             })?;
         }
+        let now = if ticks.is_empty() { None } else { self.device.clocks(&doing)? };
+        let began = |ticks: Option<&u64>| {
+            let moment = now.as_ref()?;
+            Some((moment.of(*ticks?, limits)?, moment.within))
+        };
         let (period, mask) = (f64::from(limits.timestamp_period), limits.timestamp_mask);
         let between = |from: Option<&u64>, to: Option<&u64>| match (from, to) {
             (Some(from), Some(to)) => (to.wrapping_sub(*from) & mask) as f64 * period * 1e-6,
@@ -48,6 +53,7 @@ impl Encoded {
             name: name.clone(),
             milliseconds: between(ticks.get(2 * k), ticks.get(2 * k + 1)),
             start: between(ticks.first(), ticks.get(2 * k)),
+            began: began(ticks.get(2 * k)),
             dispatches: self.counts[k][0],
             barriers: self.counts[k][1],
         };

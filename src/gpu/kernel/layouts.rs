@@ -42,12 +42,14 @@ impl Kernel {
         unsafe {
             self.set_layout =
                 vk_call("vkCreateDescriptorSetLayout", doing, || raw.create_descriptor_set_layout(&info, None))?;
+            self.device.label(self.set_layout, format_args!("buffers of {}", self.name));
             let mut sets = vec![self.set_layout];
             if choices.constants == Constants::Uniform && self.push_bytes > 0 {
                 let constants = [binding(0, vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)];
                 let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&constants);
                 self.uniform_layout =
                     vk_call("vkCreateDescriptorSetLayout", doing, || raw.create_descriptor_set_layout(&info, None))?;
+                self.device.label(self.uniform_layout, format_args!("constants of {}", self.name));
                 sets.push(self.uniform_layout);
             }
             // Sets stay bound from one kernel to the next only where the layouts have the same push constants.
@@ -63,6 +65,7 @@ impl Kernel {
                 info = info.push_constant_ranges(&push);
             }
             self.layout = vk_call("vkCreatePipelineLayout", doing, || raw.create_pipeline_layout(&info, None))?;
+            self.device.label(self.layout, format_args!("layout of {}", self.name));
         }
         Ok(())
     }

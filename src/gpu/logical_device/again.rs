@@ -13,7 +13,9 @@ impl LogicalDevice {
     pub(in super::super) fn again(&self, choices: &Choices, extras: &Extras) -> Result<Self> {
         let device = Self::open(&self.0.instance, &self.0.adapter, choices, extras)?;
         device.wait_at_most(self.patience());
+        device.cut_at(self.longest());
         device.compile_ahead(self.compiles_ahead());
+        device.align_clocks(self.0.aligned.get());
         Ok(device)
     }
 
@@ -26,6 +28,11 @@ impl LogicalDevice {
     /// How long a submission may take.
     pub(in super::super) fn patience(&self) -> Duration {
         self.0.patience.get()
+    }
+
+    /// How long a submission should take.
+    pub(in super::super) fn longest(&self) -> Duration {
+        self.0.longest.get()
     }
 
     pub(in super::super) fn compiles_ahead(&self) -> bool {

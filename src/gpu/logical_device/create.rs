@@ -78,7 +78,7 @@ fn extensions(presents: bool, offers: &Offers, choices: &Choices, extras: &Extra
         (choices.subgroup.is_some() || offers.full_subgroups, ext::subgroup_size_control::NAME),
         (offers.portability_subset, khr::portability_subset::NAME),
     ];
-    all.into_iter().filter(|(needed, _)| *needed).map(|(_, name)| name).collect()
+    all.into_iter().filter(|(needed, _)| *needed).map(|(_, name)| name).chain(offers.clock).collect()
 }
 
 #[cfg(test)]

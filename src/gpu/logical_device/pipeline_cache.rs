@@ -18,6 +18,7 @@ impl LogicalDevice {
         let new = vk_call("vkCreatePipelineCache", "making a pipeline cache", || unsafe {
             self.0.raw.create_pipeline_cache(&info, None)
         })?;
+        self.label(new, "pipelines");
         let old = self.0.pipeline_cache.replace(new);
         // SAFETY: pipelines do not need the cache that they were made from.
         unsafe { self.0.raw.destroy_pipeline_cache(old, None) };

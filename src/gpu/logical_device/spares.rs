@@ -31,6 +31,7 @@ impl LogicalDevice {
                 vk_call("vkCreateFence", doing, || unsafe {
                     self.0.raw.create_fence(&vk::FenceCreateInfo::default(), None)
                 })
+                .inspect(|fence| self.label(*fence, "end of a submission"))
             },
             Ok,
         )
@@ -58,6 +59,7 @@ impl LogicalDevice {
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
         // SAFETY: the device is alive; the pool is kept or destroyed after use.
         let made = vk_call("vkCreateQueryPool", doing, || unsafe { self.0.raw.create_query_pool(&info, None) })?;
+        self.label(made, "times of steps");
         Ok((made, count))
     }
 

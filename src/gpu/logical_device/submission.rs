@@ -124,6 +124,7 @@ impl LogicalDevice {
         // SAFETY: the pool is this device's and used by one thread at a time.
         unsafe {
             let commands = vk_call("vkAllocateCommandBuffers", doing, || raw.allocate_command_buffers(&info))?[0];
+            self.label(commands, doing);
             let begun = vk_call("vkBeginCommandBuffer", doing, || raw.begin_command_buffer(commands, &begin));
             begun.inspect_err(|_| self.discard(commands)).map(|()| commands)
         }

@@ -83,6 +83,7 @@ impl Image {
             // SAFETY: the image is alive and has its memory.
             unsafe { device.raw().create_image_view(&info, None) }
         })?;
+        device.label(image.view, name);
         Ok(image)
     }
 

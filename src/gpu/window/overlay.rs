@@ -39,6 +39,8 @@ impl Painter {
             // SAFETY: the device is alive.
             unsafe { device.raw().create_command_pool(&pool, None) }
         })?;
+        device.label(painter.pass, "panels");
+        device.label(painter.pool, "panels");
         let (instance, physical) = (&device.instance().0.raw, device.adapter().physical);
         let (mode, options) = (RenderMode::RenderPass(painter.pass), Options::default());
         let made = Renderer::with_default_allocator(instance, physical, device.raw().clone(), mode, options);
@@ -96,6 +98,7 @@ impl Painter {
             // SAFETY: the pass and the view are alive.
             unsafe { self.device.raw().create_framebuffer(&info, None) }
         })?;
+        self.device.label(framebuffer, "canvas");
         Ok(Canvas { framebuffer, image, device: self.device.clone() })
     }
 }

@@ -44,6 +44,7 @@ impl Surface {
         })?;
         let functions = khr::surface::Instance::new(&instance.entry, &instance.raw);
         let surface = Self { raw, functions, device: device.clone() };
+        device.label(raw, "window");
         let (adapter, doing) = (device.adapter(), "asking whether the device can show pictures in this window");
         let shows = vk_call("vkGetPhysicalDeviceSurfaceSupportKHR", doing, || {
             let (physical, family) = (adapter.physical, adapter.queue_family);
@@ -173,13 +174,15 @@ impl Swapchain {
             mode: if mode == vk::PresentModeKHR::MAILBOX { PresentMode::Mailbox } else { PresentMode::Fifo },
             device: device.clone(),
         };
+        device.label(raw, "window");
         swapchain.images = vk_call("vkGetSwapchainImagesKHR", SHOWING, || {
             // SAFETY: the swapchain is alive.
             unsafe { swapchain.functions.get_swapchain_images(raw) }
         })?;
-        swapchain.acquired = semaphore(device)?;
-        for _ in 0..swapchain.images.len() {
-            swapchain.drawn.push(semaphore(device)?);
+        swapchain.acquired = semaphore(device, "image acquired")?;
+        for image in &swapchain.images {
+            device.label(*image, "window");
+            swapchain.drawn.push(semaphore(device, "image drawn")?);
         }
         Ok(Some(swapchain))
     }
@@ -251,9 +254,10 @@ impl Turn {
     }
 }
 
-fn semaphore(device: &LogicalDevice) -> Result<vk::Semaphore> {
-    vk_call("vkCreateSemaphore", SHOWING, || {
+fn semaphore(device: &LogicalDevice, name: &str) -> Result<vk::Semaphore> {
+    let made = vk_call("vkCreateSemaphore", SHOWING, || {
         // SAFETY: the device is alive.
         unsafe { device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None) }
-    })
+    });
+    made.inspect(|semaphore| device.label(*semaphore, name))
 }

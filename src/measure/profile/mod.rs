@@ -46,15 +46,15 @@ pub struct Settings {
     pub until: Option<f64>,
     /// The seed of the order of what is compared, and of the bootstrap.
     pub seed: u64,
-    /// Whether the links of each frame are counted, for [`Profile::trace`].
-    pub counts_links: bool,
+    /// Whether the links of each frame are counted and the device's clock is read, for [`Profile::trace`].
+    pub traces: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         let options = Options::default();
         let (enough, change) = (f64::INFINITY, Change::EVERYTHING);
-        Self { options, change, frames: 11, enough, until: None, seed: 1, counts_links: false }
+        Self { options, change, frames: 11, enough, until: None, seed: 1, traces: false }
     }
 }
 
@@ -223,11 +223,12 @@ pub fn against<'a>(
 /// A warmed-up session: lists have their capacity and pipelines exist, so all further frames are alike.
 pub fn variant(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<InProcess> {
     let mut session = Session::new(scene, device, settings.options)?;
+    device.map(|device| device.align_clocks(settings.traces));
     session.frame(Change::EVERYTHING)?;
     if device.is_some() {
         session.frame(settings.change)?;
     }
-    Ok(InProcess { session, change: settings.change, counts_links: settings.counts_links })
+    Ok(InProcess { session, change: settings.change, counts_links: settings.traces })
 }
 
 /// Milliseconds of a stage in each frame.

@@ -45,10 +45,29 @@ pub struct Frame {
     pub wall: f64,
     /// Its steps.
     pub steps: Vec<Timing>,
+    /// If the device's clock was read: how far its steps' starts, in milliseconds after the frame's, may be off, in
+    /// milliseconds, too. Otherwise they count from the first step of their submission.
+    pub aligned: Option<f64>,
     /// Bytes of device memory after it, on the CPU of all buffers; 0 where it is not known.
     pub memory: u64,
     /// The links of light that it used, if they were counted.
     pub links: Option<u64>,
+}
+
+impl Frame {
+    /// A frame that began at this moment and has just ended.
+    #[must_use]
+    pub fn since(begin: Instant, mut steps: Vec<Timing>) -> Self {
+        let wall = begin.elapsed().as_secs_f64() * 1e3;
+        let timed = || steps.iter().filter(|step| step.milliseconds.is_finite());
+        let offs: Option<Vec<f64>> = timed().map(|step| Some(step.began?.1.as_secs_f64() * 1e3)).collect();
+        let aligned = offs.filter(|offs| !offs.is_empty()).map(|offs| offs.into_iter().fold(0.0, f64::max));
+        for step in steps.iter_mut().filter(|_| aligned.is_some()) {
+            let began = step.began.map(|(began, _)| began.saturating_duration_since(begin));
+            step.start = began.map_or(f64::NAN, |began| began.as_secs_f64() * 1e3);
+        }
+        Self { wall, steps, aligned, ..Self::default() }
+    }
 }
 
 /// A variant that is timed, warmed up.
@@ -76,10 +95,10 @@ impl Variant for InProcess {
     fn frame(&mut self) -> Result<Frame> {
         let begin = Instant::now();
         let steps = self.session.frame(self.change)?;
-        let wall = begin.elapsed().as_secs_f64() * 1e3;
+        let frame = Frame::since(begin, steps);
         let memory = self.session.device().map_or_else(|| self.session.bytes(), |device| device.memory().allocated);
         let links = if self.counts_links { links(&mut self.session)? } else { None };
-        Ok(Frame { start: 0.0, wall, steps, memory, links })
+        Ok(Frame { memory, links, ..frame })
     }
 }
 
