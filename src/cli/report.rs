@@ -7,6 +7,7 @@ use clap::Args;
 use super::{DeviceArgument, compile, print, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::measure::folder::{Folder, REPORT};
+use milkglass::measure::profile::history::read;
 use milkglass::measure::report::{Bench, SECTIONS, Section, report};
 
 /// Arguments of `report`.
@@ -27,6 +28,9 @@ pub struct Arguments {
     /// Only these sections, separated by commas [default: all].
     #[arg(long, value_name = "SECTIONS", value_delimiter = ',')]
     only: Vec<String>,
+    /// Also draw the runs that `profile --history` wrote to this file, in section `history`.
+    #[arg(long, value_name = "FILE")]
+    history: Option<PathBuf>,
 }
 
 /// Measures and writes the page; fails if a section does.
@@ -37,14 +41,27 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             return Err(Input::new("no such section").key("--only").found(name).expected(names.join(", ")).into());
         }
     }
-    let wanted = |section: &&Section| arguments.only.is_empty() || arguments.only.iter().any(|n| n == section.name);
+    let drawn = |name: &str| name != "history" || arguments.history.is_some();
+    if let Some(name) = arguments.only.iter().find(|name| !drawn(name)) {
+        let fault = Input::new("there are no runs to draw").key("--only").found(name);
+        return Err(fault.expected("--history FILE").into());
+    }
+    let wanted = |section: &&Section| {
+        drawn(section.name) && (arguments.only.is_empty() || arguments.only.iter().any(|n| n == section.name))
+    };
     let sections: Vec<&Section> = SECTIONS.iter().filter(wanted).collect();
+    let history = arguments.history.as_deref().map(read).transpose()?;
     let folder = Folder::open(&arguments.output, &REPORT, "-o")?;
     let device = arguments.device.open(validation())?;
     let begun = format!("<!doctype html>\n<meta name=\"generator\" {}>\n<p>No section is finished.</p>\n", REPORT.mark);
     let keep = |name: &str, bytes: &[u8]| folder.put(name, bytes, &begun);
-    let bench =
-        Bench { device: device.as_ref(), quick: arguments.quick, keep: Some(&keep), compilers: Some(&compile::tables) };
+    let bench = Bench {
+        device: device.as_ref(),
+        quick: arguments.quick,
+        keep: Some(&keep),
+        history: history.as_deref(),
+        compilers: Some(&compile::tables),
+    };
     let mut number = 0;
     let mut tell = |name: &str| {
         number += 1;

@@ -16,6 +16,7 @@ mod unfinished;
 
 pub use self::arguments::Arguments;
 use self::choose::chosen;
+pub(super) use self::junit::known_root;
 use self::sink::Sink;
 use super::device::opened;
 use super::print;
@@ -72,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     failures.into_iter().try_for_each(|failure| sink.add(failure))?;
     let done = match isolated {
         true => isolate::run(arguments, &choices, &devices, &mut sink),
-        false => alone::run(arguments, &choices, &open, &kernels, &mut sink),
+        false => alone::run(arguments, &choices, &open, &mut sink),
     };
     if let Err(error) = done {
         // Write the results so far.

@@ -7,6 +7,7 @@ mod accuracy;
 mod checks;
 mod compile;
 mod francois;
+mod history;
 mod html;
 mod kubo;
 mod mertens;
@@ -27,6 +28,7 @@ pub use whole::{Written, whole};
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::measure::folder::REPORT;
+use crate::measure::profile::history::Entry;
 use crate::measure::table::Table;
 use crate::scene::Scene;
 
@@ -43,6 +45,8 @@ pub struct Bench<'a> {
     pub device: Option<&'a Device>,
     /// Small scenes and few settings; takes minutes.
     pub quick: bool,
+    /// Runs of `profile --history`.
+    pub history: Option<&'a [Entry]>,
     /// Has compilers of other GPUs compile the kernels of a scene, where the caller can.
     pub compilers: Option<&'a Compilers<'a>>,
     /// Keeps a file, by its name, as soon as it is there: what was measured stays if the run is stopped.
@@ -76,6 +80,7 @@ pub static SECTIONS: &[Section] = &[
     Section { name: "devices", title: "Devices", write: setting::devices },
     Section { name: "plan", title: "Plan: what each scene needs", write: setting::plans },
     Section { name: "profile", title: "Profile: time and work of each stage", write: speed::profile },
+    Section { name: "history", title: "History: times of stages over many runs", write: history::history },
     Section { name: "compile", title: "What compilers of other GPUs make of the kernels", write: compile::compile },
     Section { name: "vary", title: "Varying the API: what other choices of Vulkan cost", write: vary::vary },
     Section {
@@ -161,7 +166,7 @@ mod tests {
             kept.borrow_mut().push((name.to_string(), String::from_utf8_lossy(bytes).into_owned()));
             Ok(())
         };
-        let bench = Bench { device: None, quick: true, keep: Some(&keep), compilers: None };
+        let bench = Bench { device: None, quick: true, keep: Some(&keep), history: None, compilers: None };
         let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string())).unwrap();
         assert_eq!((told, made.faults), (vec!["bad".into(), "good".into()], vec!["bad: it broke".to_string()]));
         for words in [
@@ -208,7 +213,7 @@ mod tests {
         let nothing = |_: &Bench<'_>, _: &mut Page| Ok(());
         let write: [fn(&Bench<'_>, &mut Page) -> Result<()>; 4] = [missed, met, checked, nothing];
         let sections = [0, 1, 2, 3].map(|k| Section { name: "s", title: "S", write: write[k] });
-        let bench = Bench { device: None, quick: true, keep: None, compilers: None };
+        let bench = Bench { device: None, quick: true, keep: None, history: None, compilers: None };
         let page = |chosen: &[usize]| {
             let chosen: Vec<&Section> = chosen.iter().map(|&k| &sections[k]).collect();
             report(&bench, &chosen, &mut |_| ()).unwrap().page
