@@ -223,7 +223,8 @@ fn a_kernel_may_declare_what_the_device_has() {
     }
 }
 
-/// The oracle of links, which five kernels include, and copies of it, one of which splits emitters of 100 times the solid angle only.
+/// The oracle of links, which five kernels include, and copies of it, one of which splits emitters of 100 times the
+/// solid angle only.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn an_oracle_is_replaced_wherever_it_is_included() {

@@ -6,9 +6,11 @@ use super::arguments::{Arguments, again, failure};
 use super::choose::Choice;
 use super::sink::Sink;
 use super::{dumps, unfinished};
+use crate::cli::{print, write};
 use milkglass::error::Result;
 use milkglass::internals::gpu::Device;
 use milkglass::measure::conform::{Event, conform_told};
+use milkglass::measure::coverage::{Coverage, table};
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::leaning::blame;
 use milkglass::measure::results::{Outcome, Verdict};
@@ -18,8 +20,10 @@ use milkglass::measure::{probe, replace};
 pub(super) fn run(arguments: &Arguments, choices: &[Choice], open: &[Device], sink: &mut Sink) -> Result<()> {
     // Kernels that some fixture runs: those that are replaced must be among them.
     let mut run = BTreeSet::from([probe::NAME.to_string()]);
+    let mut covered: Vec<Coverage> = arguments.coverage.iter().flat_map(|_| open.iter().map(Coverage::new)).collect();
     for choice in choices {
         let fixture = choice.make(arguments)?;
+        covered.iter_mut().try_for_each(|coverage| coverage.add(&fixture))?;
         if !arguments.replace.pairs().is_empty() {
             run.extend(replace::kernels_of(&fixture, &open[0])?);
         }
@@ -30,12 +34,16 @@ pub(super) fn run(arguments: &Arguments, choices: &[Choice], open: &[Device], si
             }
         }
     }
+    if let Some(path) = &arguments.coverage {
+        covered.iter().try_for_each(|coverage| print(&coverage.text()))?;
+        write(path, table(&covered).csv()?)?;
+    }
     // A child runs one fixture, and a shard some of them: neither need run every kernel.
     let whose = match choices {
         [one] => one.name(),
-        _ => "what was chosen".into(),
+        _ => "what was chosen",
     };
-    match arguments.replace.unused(&run, &whose) {
+    match arguments.replace.unused(&run, whose) {
         Some(fault) if !arguments.child && arguments.shard.is_none() => Err(fault.into()),
         _ => Ok(()),
     }

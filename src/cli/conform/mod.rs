@@ -43,6 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ("--json", arguments.json.as_ref()),
         ("--jsonl", arguments.jsonl.as_ref()),
         ("--junit", arguments.junit.as_ref()),
+        ("--coverage", arguments.coverage.as_ref()),
     ])?;
     let before: Option<Results> = arguments.baseline.as_deref().map(read).transpose()?;
     let known = expect::load(arguments.expect.as_deref())?;

@@ -131,6 +131,17 @@ impl Arguments {
         Settings { frames, until, counts_links, ..*settings }
     }
 
+    /// The files that are written whole, with their options.
+    pub(super) fn files(&self) -> [(&'static str, Option<&PathBuf>); 5] {
+        [
+            ("--csv", self.csv.as_ref()),
+            ("--json", self.save.as_ref()),
+            ("--trace", self.trace.as_ref()),
+            ("--junit", self.gate.junit.as_ref()),
+            ("--roofline", self.roofline.as_ref()),
+        ]
+    }
+
     /// Fails if there are several devices and an option that goes with one only.
     pub(super) fn check(&self) -> Result<()> {
         let given = [

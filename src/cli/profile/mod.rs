@@ -39,13 +39,7 @@ use milkglass::scene::Scene;
 /// Measures, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.check()?;
-    ready([
-        ("--csv", arguments.csv.as_ref()),
-        ("--json", arguments.save.as_ref()),
-        ("--trace", arguments.trace.as_ref()),
-        ("--junit", arguments.gate.junit.as_ref()),
-        ("--roofline", arguments.roofline.as_ref()),
-    ])?;
+    ready(arguments.files())?;
     if let [first, second] = arguments.compare.as_slice() {
         let (one, two) = (read(first)?, read(second)?);
         let held = arguments.gate.times("B against A", &files((&one, first), (&two, second))?, &[]);
