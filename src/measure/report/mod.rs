@@ -45,6 +45,8 @@ pub struct Bench<'a> {
     pub device: Option<&'a Device>,
     /// Small scenes and few settings; takes minutes.
     pub quick: bool,
+    /// Mesh files that tables of Mertens et al. are measured for, too.
+    pub meshes: &'a [String],
     /// Runs of `profile --history`.
     pub history: Option<&'a [Entry]>,
     /// Has compilers of other GPUs compile the kernels of a scene, where the caller can.
@@ -97,6 +99,18 @@ pub static SECTIONS: &[Section] = &[
     Section { name: "accuracy", title: "Numerical error beside the error of the model", write: accuracy::accuracy },
     Section { name: "truth", title: "How true: every method against a random walk", write: truth::truth },
     Section { name: "pictures", title: "Built-in scenes", write: pictures::scenes },
+];
+
+/// Tables and figures that are parts of sections, each by its own name, for `--only`.
+pub static PARTS: &[Section] = &[
+    Section { name: "mertens/figure3", title: "Mertens et al. 2003, figure 3", write: mertens::figure3 },
+    Section { name: "mertens/figure4", title: "Mertens et al. 2003, figure 4", write: mertens::figure4 },
+    Section { name: "mertens/table3", title: "Mertens et al. 2003, table 3", write: mertens::table3 },
+    Section { name: "mertens/table4", title: "Mertens et al. 2003, table 4", write: mertens::table4 },
+    Section { name: "mertens/table5", title: "Mertens et al. 2003, table 5 and figure 5", write: mertens::table5 },
+    Section { name: "kubo/table1", title: "Kubo et al. 2010, table 1", write: kubo::table },
+    Section { name: "layers/table2", title: "Francois et al. 2006, table 2", write: francois::table2 },
+    Section { name: "layers/figure14", title: "Francois et al. 2006, figure 14", write: francois::pictures },
 ];
 
 /// A finished report.
@@ -166,7 +180,7 @@ mod tests {
             kept.borrow_mut().push((name.to_string(), String::from_utf8_lossy(bytes).into_owned()));
             Ok(())
         };
-        let bench = Bench { device: None, quick: true, keep: Some(&keep), history: None, compilers: None };
+        let bench = Bench { device: None, quick: true, keep: Some(&keep), meshes: &[], history: None, compilers: None };
         let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string())).unwrap();
         assert_eq!((told, made.faults), (vec!["bad".into(), "good".into()], vec!["bad: it broke".to_string()]));
         for words in [
@@ -213,7 +227,7 @@ mod tests {
         let nothing = |_: &Bench<'_>, _: &mut Page| Ok(());
         let write: [fn(&Bench<'_>, &mut Page) -> Result<()>; 4] = [missed, met, checked, nothing];
         let sections = [0, 1, 2, 3].map(|k| Section { name: "s", title: "S", write: write[k] });
-        let bench = Bench { device: None, quick: true, keep: None, history: None, compilers: None };
+        let bench = Bench { device: None, quick: true, keep: None, meshes: &[], history: None, compilers: None };
         let page = |chosen: &[usize]| {
             let chosen: Vec<&Section> = chosen.iter().map(|&k| &sections[k]).collect();
             report(&bench, &chosen, &mut |_| ()).unwrap().page
