@@ -81,7 +81,8 @@ impl Coverage {
         Ok(())
     }
 
-    /// Everything: its kind, its name, its state, how many kernels have it, and the fixtures: what was executed, what kernels have and no fixture reached, and what no kernel has.
+    /// The kind, name and state of everything, how many kernels have it, and the fixtures that execute it; also of
+    /// what no kernel has.
     fn rows(&self) -> Vec<[String; 5]> {
         let mut rows: Vec<[String; 5]> = Vec::new();
         for (code, own) in &self.codes {

@@ -1,5 +1,5 @@
-//! What a module of SPIR-V is made of, as far as coverage tells it apart: instructions of functions, and what the module
-//! declares for all of them.
+//! What a module of SPIR-V is made of, as far as coverage tells it apart: instructions of functions, and what the
+//! module declares for all of them.
 
 use spirq::spirv::{Capability, ExecutionMode, GLOp, Op};
 
