@@ -54,7 +54,7 @@ use self::memory::MemoryArgument;
 use self::paths::{announce_pipe, any_path};
 use self::run_args::OptionArguments;
 pub use self::stop::{leave, remove_when_stopped};
-use self::text::{print, size, table, write};
+use self::text::{now, print, size, table, write};
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
 use milkglass::internals::hierarchy::face_cluster::Method;

@@ -29,6 +29,10 @@ pub struct Arguments {
     device: DeviceArgument,
     #[command(flatten)]
     replace: ReplaceArgument,
+    /// Measure replaced kernels even if their values are not those of the reference, as those of another oracle or
+    /// rule: their points are called unproved.
+    #[arg(long, requires = "replace")]
+    unchecked: bool,
     /// Compare with a random walk as well: `walk`, `walk:SECONDS`, or a CSV file that `solve --transport walk` wrote.
     #[arg(long, value_name = "TRUTH")]
     truth: Option<String>,
@@ -92,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if Session::new(&scene, None, diffusion).is_ok() {
         setups.push((&scene, diffusion));
     }
-    let own = arguments.replace.on(device.as_ref(), &setups)?;
+    let own = arguments.replace.on(device.as_ref(), &setups, arguments.unchecked)?;
     let bench = Bench { scene: &scene, device: device.as_ref() };
     let walk = |from: &String| super::walk::truth(from, &scene, device.as_ref());
     settings.truth = arguments.truth.as_ref().map(walk).transpose()?;
@@ -100,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if own.is_some() {
         let after = sweep(&Bench { scene: &scene, device: own.as_ref() }, &settings)?;
         print(&replaced(&found, &after))?;
-        found = after;
+        found = found.beside(after, if arguments.unchecked { "unproved" } else { "replaced" });
     }
     check_messages(device.as_ref())?;
     let origin = Origin::new(&scene, device.as_ref(), settings.repeat);
@@ -127,7 +131,7 @@ fn replaced(before: &Sweep, after: &Sweep) -> String {
         ("ratio", "", &|(_, [before, after])| format!("{:.3}", after / before)),
     ];
     let table = Table::of(&rows, &columns).text();
-    format!("one sweep after the other; what follows is of the replaced shaders\n{table}\n")
+    format!("one sweep after the other\n{table}\n")
 }
 
 /// Returns an error if the name's extension is that of another format.

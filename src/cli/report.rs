@@ -7,7 +7,8 @@ use clap::Args;
 use super::{DeviceArgument, compile, print, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::measure::folder::{Folder, REPORT};
-use milkglass::measure::report::{Bench, SECTIONS, Section, report};
+use milkglass::measure::profile::history::read;
+use milkglass::measure::report::{Bench, PARTS, SECTIONS, Section, report};
 
 /// Arguments of `report`.
 #[derive(Args)]
@@ -24,27 +25,52 @@ pub struct Arguments {
     /// Small scenes and few settings: takes minutes.
     #[arg(long)]
     quick: bool,
-    /// Only these sections, separated by commas [default: all].
+    /// Mesh files that the tables of Mertens et al. are measured for, too.
+    meshes: Vec<String>,
+    /// Only these sections, or tables and figures of the papers, such as `mertens/table5`, separated by commas
+    /// [default: all sections].
     #[arg(long, value_name = "SECTIONS", value_delimiter = ',')]
     only: Vec<String>,
+    /// Also draw the runs that `profile --history` wrote to this file, in section `history`.
+    #[arg(long, value_name = "FILE")]
+    history: Option<PathBuf>,
 }
 
 /// Measures and writes the page; fails if a section does.
 pub fn run(arguments: &Arguments) -> Result<()> {
     for name in &arguments.only {
-        if !SECTIONS.iter().any(|section| section.name == name) {
-            let names: Vec<_> = SECTIONS.iter().map(|section| section.name).collect();
+        if !SECTIONS.iter().chain(PARTS).any(|section| section.name == name) {
+            let names: Vec<_> = SECTIONS.iter().chain(PARTS).map(|section| section.name).collect();
             return Err(Input::new("no such section").key("--only").found(name).expected(names.join(", ")).into());
         }
     }
-    let wanted = |section: &&Section| arguments.only.is_empty() || arguments.only.iter().any(|n| n == section.name);
-    let sections: Vec<&Section> = SECTIONS.iter().filter(wanted).collect();
+    let drawn = |name: &str| name != "history" || arguments.history.is_some();
+    if let Some(name) = arguments.only.iter().find(|name| !drawn(name)) {
+        let fault = Input::new("there are no runs to draw").key("--only").found(name);
+        return Err(fault.expected("--history FILE").into());
+    }
+    let asked = |section: &&Section| arguments.only.iter().any(|name| name == section.name);
+    let sections: Vec<&Section> = match arguments.only.is_empty() {
+        true => SECTIONS.iter().filter(|section| drawn(section.name)).collect(),
+        false => SECTIONS.iter().chain(PARTS).filter(asked).collect(),
+    };
+    if !arguments.meshes.is_empty() && !sections.iter().any(|section| section.name.starts_with("mertens")) {
+        let fault = Input::new("only tables of Mertens et al. are measured for meshes").found(&arguments.meshes[0]);
+        return Err(fault.expected("--only mertens/table5, for example").into());
+    }
+    let history = arguments.history.as_deref().map(read).transpose()?;
     let folder = Folder::open(&arguments.output, &REPORT, "-o")?;
     let device = arguments.device.open(validation())?;
     let begun = format!("<!doctype html>\n<meta name=\"generator\" {}>\n<p>No section is finished.</p>\n", REPORT.mark);
     let keep = |name: &str, bytes: &[u8]| folder.put(name, bytes, &begun);
-    let bench =
-        Bench { device: device.as_ref(), quick: arguments.quick, keep: Some(&keep), compilers: Some(&compile::tables) };
+    let bench = Bench {
+        device: device.as_ref(),
+        quick: arguments.quick,
+        keep: Some(&keep),
+        meshes: &arguments.meshes,
+        history: history.as_deref(),
+        compilers: Some(&compile::tables),
+    };
     let mut number = 0;
     let mut tell = |name: &str| {
         number += 1;

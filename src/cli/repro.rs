@@ -119,7 +119,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut cases = Vec::new();
     for folder in folders(&arguments.folder)? {
         let mut case = Case::read(&folder)?;
-        for (kernel, words) in &kernels {
+        let run = case.dispatches.iter().map(|dispatch| dispatch.kernel.clone()).collect();
+        if let Some(fault) = arguments.replace.unused(&run, "this case") {
+            return Err(fault.into());
+        }
+        for (kernel, words) in kernels.iter().filter(|(kernel, _)| run.contains(kernel)) {
             case = case.replacing(kernel, words)?;
         }
         cases.push((folder, case));

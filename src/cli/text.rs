@@ -2,6 +2,9 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::time::SystemTime;
+
+use chrono::{DateTime, SecondsFormat, Utc};
 
 use milkglass::error::{Input, Result};
 use milkglass::internals::view::atomic_file::write_atomically;
@@ -29,6 +32,11 @@ pub(super) fn print(text: &str) -> Result<()> {
 /// A table with aligned columns as text.
 pub(super) fn table<'a>(heads: impl IntoIterator<Item = &'a str>, rows: Vec<Vec<String>>) -> String {
     Table::plain(heads, rows).text()
+}
+
+/// The date and time now: UTC, `2026-01-31T23:59:59Z`.
+pub(super) fn now() -> String {
+    DateTime::<Utc>::from(SystemTime::now()).to_rfc3339_opts(SecondsFormat::Secs, true)
 }
 
 /// Writes a file, whole or not at all.

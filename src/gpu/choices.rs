@@ -88,8 +88,20 @@ pub struct Choices {
     /// The byte that fills the buffers of a scene at first: 0, so that what no kernel writes can be compared; 0xff, so
     /// that whatever reads it fails. Without one they hold what the driver left there.
     pub fill: Option<u8>,
-    /// Whether a frame's times are those of its kernels' dispatches, not of its steps.
-    pub by_kernel: bool,
+    /// What of a frame has times of its own.
+    pub timed: Timed,
+}
+
+/// What of a frame has times of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Timed {
+    /// Each step of a stage.
+    #[default]
+    Steps,
+    /// Each dispatch, by its kernel's name.
+    Kernels,
+    /// Each dispatch, by its kernel's name and its number among that kernel's dispatches in the submission.
+    Dispatches,
 }
 
 choice!(

@@ -4,13 +4,16 @@
 //! Additions, subtractions and multiplications of floats count one per component, a fused multiply-add two. Divisions
 //! and square roots are counted separately, and so are exponentials, logarithms and circular functions. Integers,
 //! comparisons, minima, maxima and conversions are not counted. Loads and stores count the bytes of buffers that they
-//! name.
+//! name. Every instruction is noted, too, so that coverage knows which were executed.
 
+mod code;
 mod read;
 mod tally;
 #[cfg(feature = "measure")]
 mod touch;
 mod write;
+
+use std::collections::BTreeSet;
 
 use spirq::spirv::Op;
 
@@ -18,6 +21,7 @@ use super::spirv_module::{Edited, instructions};
 use read::Module;
 use write::Counters;
 
+pub use code::Code;
 pub(super) use tally::Block;
 pub use tally::{Tally, Traffic};
 #[cfg(feature = "measure")]
@@ -37,12 +41,15 @@ pub(super) fn counted(words: &[u32]) -> Option<Counted> {
     // What each block does.
     let module = Module::of(words);
     let (mut all, mut function) = (Vec::<Block>::new(), 0);
+    let declared: BTreeSet<Code> = instructions(words).filter_map(Code::declared).collect();
     for instruction in instructions(words) {
         match (instruction.op, instruction.operands) {
             (Some(Op::Function), [_, id, ..]) => function = *id,
             (Some(Op::Label), _) => {
                 let entry = function == module.declared.entry && !all.iter().any(|block| block.entry);
-                all.push(Block { entry, ..Block::default() });
+                // What a module declares is used once the kernel begins.
+                let codes = if entry { declared.clone() } else { BTreeSet::new() };
+                all.push(Block { entry, codes, ..Block::default() });
             }
             _ => all.last_mut().into_iter().for_each(|block| module.add(block, instruction)),
         }

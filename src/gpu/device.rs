@@ -145,6 +145,22 @@ impl Device {
         self.kernels.replaced()
     }
 
+    /// The extensions that it was opened with, and others that its driver offers.
+    #[cfg(feature = "measure")]
+    pub fn extensions(&self) -> [Vec<String>; 2] {
+        self.logical.extensions()
+    }
+
+    /// The features that it was opened with, and others that kernels can have it opened with, where it offers them.
+    #[cfg(feature = "measure")]
+    pub fn features(&self) -> [Vec<String>; 2] {
+        let mut offered = Features::query(&self.instance().0.raw, self.adapter().physical);
+        let full = self.adapter().offers.full_subgroups.then_some("computeFullSubgroups");
+        let used = self.extras().features.iter().copied().chain(["scalarBlockLayout"]).chain(full);
+        let others = offered.all().filter(|name| !self.extras().features.contains(name));
+        [used.map(String::from).collect(), others.map(String::from).collect()]
+    }
+
     /// The SPIR-V of a kernel as the driver is given it.
     pub fn words(&self, kernel: &str) -> Result<Vec<u32>> {
         Ok(as_given(&self.logical, self.kernels.words(&self.logical, kernel)?))

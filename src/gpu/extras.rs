@@ -95,6 +95,13 @@ impl Features {
         FEATURES.iter().any(|feature| feature.name == name && *(feature.bit)(self) == vk::TRUE)
     }
 
+    /// Those that are there.
+    #[cfg(feature = "measure")]
+    pub(super) fn all(&mut self) -> impl Iterator<Item = &'static str> {
+        let found: Vec<_> = FEATURES.iter().map(|feature| feature.name).filter(|name| self.has(name)).collect();
+        found.into_iter()
+    }
+
     /// The first of these features that is missing, and the capability that needs it.
     pub(super) fn lacking(&mut self, needed: &[(Capability, &'static str)]) -> Option<(Capability, &'static str)> {
         needed.iter().copied().find(|(_, name)| !self.has(name))

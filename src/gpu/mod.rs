@@ -61,7 +61,7 @@ pub mod window;
 pub use adapter::{Adapter, Ids, Limits};
 pub use allocator::MemoryUse;
 pub(crate) use bind::Binding;
-pub use choices::{AXES, Axis, Cache, Choices, Constants, Optimization, Submissions, Value};
+pub use choices::{AXES, Axis, Cache, Choices, Constants, Optimization, Submissions, Timed, Value};
 pub use device::Device;
 pub use driver_facts::{COUNTERS, STATISTICS, Statistic};
 pub use execution::{EXECUTES, ExecutionCheck};
@@ -78,7 +78,7 @@ pub(crate) use record::{Recorder, Recordings, Work};
 pub use reflect::{
     Access, accesses, constants, group_is_open, kernel_names, kernels_without_subgroups, reflect_records, spirv,
 };
-pub use replace::{Given, replacement, source, sources};
+pub use replace::{Given, kernels_of, replacements, source, sources};
 #[cfg(feature = "measure")]
 pub(crate) use shift::shifted;
 pub use single_kernel::SingleKernel;

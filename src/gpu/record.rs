@@ -60,6 +60,11 @@ impl Recorder {
         done
     }
 
+    /// How many parts are listed whose names begin with this.
+    pub fn parts_named(&self, begin: &str) -> usize {
+        self.list.iter().filter(|entry| matches!(entry, Entry::Begin(name, _) if name.starts_with(begin))).count()
+    }
+
     /// Lists a dispatch of a kernel; it waits for earlier dispatches that it depends on.
     pub fn dispatch(
         &mut self,

@@ -31,26 +31,54 @@ pub fn sources() -> impl Iterator<Item = &'static str> {
     SOURCES.iter().map(|(name, _)| name.strip_suffix(".comp").unwrap_or(name)).chain(["layout.glsl"])
 }
 
-/// The SPIR-V of a file that is to replace a kernel, its interface checked against the kernel's and made to fit it,
-/// with these values for constants of its own.
+/// The kernels that a name stands for: the one of that name, or those that include the file of that name, directly or
+/// through others. None for `layout.glsl`, which all include and which is not written by hand.
+pub fn kernels_of(name: &str) -> Vec<&'static str> {
+    kernel_names().filter(|kernel| *kernel == name || name.ends_with(".glsl") && includes(kernel, name)).collect()
+}
+
+/// Whether a source of the program includes this file.
+fn includes(source_name: &str, file: &str) -> bool {
+    let Some((_, text)) = SOURCES.iter().find(|(known, _)| known.strip_suffix(".comp").unwrap_or(known) == source_name)
+    else {
+        return false;
+    };
+    let included = text.lines().filter_map(|line| line.trim_start().strip_prefix("#include \"")?.split('"').next());
+    file != "layout.glsl" && included.into_iter().any(|name| name == file || includes(name, file))
+}
+
+/// The SPIR-V of the kernels that a file is to replace, by their names: of the kernel `name`, or of all that include
+/// the file `name`. Interfaces are checked against the kernels' and made to fit them, with these values for constants
+/// of their own.
 ///
 /// Includes are searched for beside the file, then among the program's own sources. Errors are the user's: they name
 /// the file, and the line where the compiler names it.
-pub fn replacement(kernel: &str, file: &Path, given: &Given) -> Result<Vec<u32>> {
-    if !kernel_names().any(|known| known == kernel) {
+pub fn replacements(name: &str, file: &Path, given: &Given) -> Result<Vec<(String, Vec<u32>)>> {
+    let kernels = kernels_of(name);
+    if kernels.is_empty() {
         let names: Vec<_> = kernel_names().filter(|known| !known.starts_with("measure/")).collect();
         // A stage's name alone stands for its first kernel.
-        let part = names.iter().find(|name| name.split('/').any(|part| part == kernel));
-        let alike = |name: &str| strsim::jaro_winkler(name, kernel);
+        let part = names.iter().find(|known| known.split('/').any(|part| part == name));
+        let alike = |known: &str| strsim::jaro_winkler(known, name);
         let near = part.or_else(|| names.iter().max_by(|a, b| alike(a).total_cmp(&alike(b))));
-        let fault = Input::new("there is no such kernel").key("--replace").found(kernel);
-        let like = near.map_or(String::new(), |name| format!("{name}, or another one that "));
+        let fault = Input::new("there is no such kernel").key("--replace").found(name);
+        let like = near.map_or(String::new(), |near| format!("{near}, or another one that "));
         return Err(fault.expected(format!("{like}`milkglass shader` lists")).into());
     }
+    let made = |kernel: &str| Ok((kernel.to_string(), replacement(kernel, name, file, given)?));
+    kernels.into_iter().map(made).collect()
+}
+
+/// The SPIR-V of one of these kernels.
+fn replacement(kernel: &str, name: &str, file: &Path, given: &Given) -> Result<Vec<u32>> {
     let unread = |error| Input::new(format!("the shader could not be read: {error}")).file(file);
     let words = match file.extension().is_some_and(|ending| ending == "spv") {
+        true if kernel != name => {
+            let fault = Input::new(format!("{name} is a part of kernels")).file(file).found("SPIR-V");
+            return Err(fault.expected("its GLSL, as `milkglass shader` prints it").into());
+        }
         true => module(file, &bytes(file).map_err(unread)?)?,
-        false => compile(file, &read(file).map_err(unread)?)?,
+        false => compile(file, &read(file).map_err(unread)?, (kernel != name).then_some((kernel, name)))?,
     };
     let fault = |what: String| Error::from(Input::new(what).file(file));
     if let Err(capability) = needed(&words) {
@@ -158,9 +186,11 @@ fn module(file: &Path, bytes: &[u8]) -> Result<Vec<u32>> {
     Ok(words)
 }
 
+/// Compiles a kernel, or the kernel of the program that is named first with `text` in place of the file that is named
+/// second.
 #[cfg(feature = "shaderc")]
-fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
-    if !text.lines().any(|line| line.trim_start().starts_with("#version")) {
+fn compile(file: &Path, text: &str, part: Option<(&str, &str)>) -> Result<Vec<u32>> {
+    if part.is_none() && !text.lines().any(|line| line.trim_start().starts_with("#version")) {
         let fault = Input::new("the shader has no #version").file(file).line(1);
         return Err(fault.expected("#version 460 in its first line, as `milkglass shader` prints it").into());
     }
@@ -168,6 +198,9 @@ fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
     let beside = file.parent().unwrap_or(Path::new(""));
     let included = std::cell::Cell::new(0);
     let include = |name: &str| {
+        if part.is_some_and(|(_, part)| part == name) {
+            return Ok((file.display().to_string(), text.to_string()));
+        }
         let path = beside.join(name);
         included.set(included.get() + 1);
         if included.get() > MOST_INCLUDES {
@@ -186,7 +219,11 @@ fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
         Ok((name.to_string(), content.into_owned()))
     };
     let level = shaderc::OptimizationLevel::Performance;
-    super::compile::compile(&compiler, text, &file.display().to_string(), (level, None), include)
+    let (whole, called) = match part.and_then(|(kernel, _)| Some((source(kernel)?, kernel.to_string()))) {
+        Some(kernel) => kernel,
+        None => (text.into(), file.display().to_string()),
+    };
+    super::compile::compile(&compiler, &whole, &called, (level, None), include)
         .map(|artifact| artifact.as_binary().to_vec())
         .map_err(|text| Input::new(format!("the shader does not compile\n{}", shortened(&text))).file(file).into())
 }
@@ -206,7 +243,7 @@ fn shortened(text: &str) -> String {
 }
 
 #[cfg(not(feature = "shaderc"))]
-fn compile(file: &Path, _: &str) -> Result<Vec<u32>> {
+fn compile(file: &Path, _: &str, _: Option<(&str, &str)>) -> Result<Vec<u32>> {
     let what = "this build can't compile shaders: build milkglass with `--features shaderc` for --replace";
     Err(Input::new(what).file(file).into())
 }

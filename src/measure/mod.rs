@@ -9,6 +9,7 @@ pub mod bodies;
 pub mod compare;
 pub mod conform;
 pub mod constants;
+pub mod coverage;
 pub mod estimate;
 pub mod eval;
 pub mod fixtures;

@@ -4,7 +4,7 @@ use super::device::{Call, DeviceState, Groups};
 use super::trace::{Trace, Traced, Way};
 use super::{Object, Scope, State, Step};
 use crate::error::Result;
-use crate::gpu::{Access, Device, Recorder, Timing, accesses};
+use crate::gpu::{Access, Device, Recorder, Timed, Timing, accesses};
 use crate::layout::{BUFFER_IDS, BufferId, GROUP_SIZE, Range};
 
 /// What a stage records its dispatches with.
@@ -140,12 +140,12 @@ impl DeviceState {
 
     /// Records and submits these steps as one frame; returns the time of each.
     pub fn run(&self, state: &State, steps: &[Step]) -> Result<Vec<Timing>> {
-        let by_kernel = self.device().choices().by_kernel;
-        let parts = if by_kernel { self.count(state, steps)? } else { steps.len() };
+        let apart = self.device().choices().timed != Timed::Steps;
+        let parts = if apart { self.count(state, steps)? } else { steps.len() };
         let mut recorder = Recorder::new(self.device(), parts)?;
         for step in steps {
             let list = |recorder: &mut Recorder| (step.stage.gpu)(&mut Pass::record(state, *step, self, recorder));
-            if by_kernel { list(&mut recorder)? } else { recorder.part_of(step.stage.name, step.place(), list)? }
+            if apart { list(&mut recorder)? } else { recorder.part_of(step.stage.name, step.place(), list)? }
         }
         self.execution().list(&mut recorder)?;
         let times = recorder.submit_again(self.recordings())?;
@@ -232,11 +232,14 @@ impl<'s> Pass<'s> {
         match &mut self.sink {
             Sink::Device(device_state, recorder) => {
                 let (state, call) = (self.state, Call { kernel: &kernel, constants, push, at: self.at, groups });
-                if device_state.device().choices().by_kernel {
-                    let list = |recorder: &mut Recorder| device_state.submit(recorder, state, &call);
-                    recorder.part_of(&kernel, self.step.place(), list)?;
-                } else {
-                    device_state.submit(recorder, state, &call)?;
+                let list = |recorder: &mut Recorder| device_state.submit(recorder, state, &call);
+                match device_state.device().choices().timed {
+                    Timed::Steps => list(recorder)?,
+                    Timed::Kernels => recorder.part_of(&kernel, self.step.place(), list)?,
+                    Timed::Dispatches => {
+                        let number = recorder.parts_named(&format!("{kernel} #")) + 1;
+                        recorder.part_of(&format!("{kernel} #{number}"), self.step.place(), list)?;
+                    }
                 }
             }
             Sink::Part(device_state, recorder, part) => {

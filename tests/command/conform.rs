@@ -254,3 +254,33 @@ fn scenes_and_dumps_go_to_processes_of_their_own() {
     bad(&here, &line.replace("detail=2", "detail=x"), 2, &["object.0.detail"]);
     bad(&here, &format!("{line} --timeout 0"), 2, &["--timeout", "0.001"]);
 }
+
+#[cfg(feature = "shaderc")]
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn coverage_is_of_what_ran() {
+    let here = folder(&[]);
+    planted(&here, "rare.comp", "rare(sum)");
+    // A loop that no receiver enters.
+    let rare =
+        "vec3 rare(vec3 s) { for (int k = 0; s.x > 1e30 && k < 9; k++) s.x -= sinh(s.y); return max(s, 0.0); }\n";
+    let text = read(&here, "rare.comp").replace("void main()", &format!("{rare}void main()"));
+    std::fs::write(here.path().join("rare.comp"), text).unwrap();
+    let line = "conform --fixture sliver --no-validation --stage push --replace transport/blocks/push=rare.comp";
+    let (out, _) = good(&here, &format!("{line} --coverage c.csv"));
+    assert!(out.contains("coverage of ") && out.contains("instruction of GLSL.std.450, not reached: 1: Sinh"), "{out}");
+    let text = read(&here, "c.csv");
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.unwrap()).collect();
+    let state = |kind: &str, name: &str| {
+        let row = rows.iter().find(|row| &row[1] == kind && &row[2] == name);
+        row.map(|row| [row[3].to_string(), row[5].to_string()]).unwrap_or_else(|| panic!("{kind} {name}: {text}"))
+    };
+    assert_eq!(state("instruction", "OpFMul"), ["executed", "sliver"]);
+    assert_eq!(state("capability", "Shader"), ["executed", "sliver"]);
+    assert_eq!(state("instruction of GLSL.std.450", "Sinh"), ["not reached", ""]);
+    assert_eq!(state("instruction", "OpImageWrite"), ["in no kernel", ""]);
+    assert!(state("limit", "bytes of push constants")[0].contains(" of "), "{text}");
+    assert_eq!(state("feature", "scalarBlockLayout"), ["in use", ""]);
+    bad(&here, &format!("{line} --coverage c.csv --isolate"), 2, &["--coverage", "--isolate"]);
+}

@@ -85,12 +85,23 @@ fn a_profile_times_each_kernel() {
     let time = |name: &str| kernels.iter().find(|row| row["stage"] == name).unwrap()["device_ms"]["median"].clone();
     assert!(time("transport/blocks/link/count").as_f64().unwrap() > 0.0);
     assert!(read(&here, "t.json").contains("transport/blocks/gather/direct"));
+    // A dispatch by itself, such as each level of a tree on a processor; together they are all.
+    good(&here, &format!("profile {SMALL} --frames 3 --by dispatch --json d.json"));
+    let parts = rows("d.json");
+    let total: u64 = stages.iter().map(|row| row["dispatches"].as_u64().unwrap()).sum();
+    assert_eq!(parts.len() as u64, total, "{parts:?}");
+    assert!(parts.iter().any(|row| row["stage"] == "transport/blocks/gather/direct #1"), "{parts:?}");
+    // The roofline has each kernel that counts floats.
+    good(&here, &format!("profile {SMALL} --frames 3 --by kernel --roofline r.svg"));
+    let drawing = read(&here, "r.svg");
+    assert!(["flop a byte", "G flop/s", "gather/edge"].iter().all(|words| drawing.contains(words)));
     for (line, words) in [
         (format!("profile {SMALL} --by kernel --device cpu"), "a device that"),
         (format!("profile {SMALL} --by kernel --device cpu --device cpu"), "one device only"),
     ] {
         bad(&here, &line, 2, &["--by kernel", words]);
     }
+    bad(&here, &format!("profile {SMALL} --frames 1 --device cpu --roofline r.svg"), 2, &["--roofline", "found cpu"]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::shell::{bad, folder, good, read};
+use crate::shell::{bad, folder, good, program, read, said};
 
 const SMALL: &str = "sphere --set object.0.detail=1 --set camera.size=[16,12]";
 
@@ -61,10 +61,24 @@ fn a_comparison_fails_beyond_its_limit() {
     let mut slow = json(&here, "a.json");
     slowed(&mut slow, 3.0);
     std::fs::write(here.path().join("slow.json"), slow.to_string()).unwrap();
-    let err =
-        bad(&here, "profile --compare a.json slow.json --fail-slower 5%", 1, &["% slower; --fail-slower allows 5 %"]);
+    let compare = "profile --compare a.json slow.json --fail-slower 5% --junit a.xml";
+    let output = program(&here, compare).output().unwrap();
+    let (out, err) = said(&output);
+    assert!(output.status.code() == Some(1) && err.contains("% slower; --fail-slower allows 5 %"), "{out}{err}");
+    let xml = read(&here, "a.xml");
+    for words in [
+        "<testsuite name=\"B against A\"",
+        "<property name=\"A\" value=\"milkglass ",
+        "<testcase name=\"frame\" classname=\"B against A\">",
+        "<failure message=\"B against A: frame is at least ",
+    ] {
+        assert!(xml.contains(words), "{words}: {xml}");
+    }
     assert!(err.contains("B against A: frame is at least") && err.contains("B against A: stages is at least"), "{err}");
-    good(&here, "profile --compare slow.json a.json --fail-slower 5% --undecided fail");
+    good(&here, "profile --compare slow.json a.json --fail-slower 5% --undecided fail --junit b.xml");
+    let xml = read(&here, "b.xml");
+    assert!(xml.contains("<testcase name=\"frame\"") && !xml.contains("<failure"), "{xml}");
+    bad(&here, "profile --compare a.json a.json --junit c.xml", 2, &["--junit", "nothing is held to a limit"]);
     // A range of 0.01 % is too narrow to be sure of.
     let strict = "profile --compare a.json a.json --fail-slower 0.01%";
     good(&here, strict);
@@ -76,6 +90,25 @@ fn a_comparison_fails_beyond_its_limit() {
     );
     bad(&here, "profile sphere --fail-slower 2%", 2, &["--fail-slower", "nothing is compared"]);
     bad(&here, "profile --compare a.json a.json --fail-work 1%", 2, &["--replace"]);
+}
+
+#[test]
+fn a_history_of_runs_is_drawn() {
+    let here = folder(&[]);
+    for line in [SMALL, "sphere --set object.0.detail=0 --set camera.size=[8,8]", SMALL] {
+        good(&here, &format!("profile {line} --device cpu --frames 3 --history h.jsonl"));
+    }
+    let text = read(&here, "h.jsonl");
+    assert!(text.lines().count() == 3 && !text.contains("samples") && text.contains("\"what\":\"stages\""), "{text}");
+    good(&here, "report -o r --device cpu --only history --history h.jsonl");
+    let page = read(&here, "r/index.html");
+    assert!(page.matches("<svg").count() == 2 && page.contains("median, ms"), "{page}");
+    let csv = read(&here, "r/history-1.csv");
+    let runs: Vec<&str> = csv.lines().map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(runs, ["run", "1", "3"], "{csv}");
+    bad(&here, "report -o q --device cpu --only history", 2, &["--only: there are no runs to draw", "--history FILE"]);
+    std::fs::write(here.path().join("h.jsonl"), format!("{text}[]\n")).unwrap();
+    bad(&here, "report -o q --device cpu --only history --history h.jsonl", 2, &["h.jsonl:4: not a run"]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use tempfile::TempDir;
 
-use crate::shell::{bad, folder, good, program, said};
+use crate::shell::{bad, folder, good, program, read, said};
 
 /// A ball small enough to compare quickly.
 const BALL: &str = "[camera]\nsize = [16, 12]\n[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\n\
@@ -221,4 +221,51 @@ fn a_kernel_may_declare_what_the_device_has() {
         Some(3) => assert!(err.contains("Float16 needs the feature shaderFloat16"), "{out}{err}"),
         code => panic!("{code:?}\n{out}{err}"),
     }
+}
+
+/// The oracle of links, which five kernels include, and copies of it, one of which splits emitters of 100 times the
+/// solid angle only.
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn an_oracle_is_replaced_wherever_it_is_included() {
+    const ORACLE: &str = "transport/links/refine/decide.glsl";
+    let here = folder(&[("a.toml", BALL)]);
+    let (text, _) = good(&here, &format!("shader {ORACLE}"));
+    let put = |name: &str, from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        std::fs::write(here.path().join(name), text.replace(from, to)).unwrap();
+    };
+    put("same.glsl", "emitter.area >", "emitter.area >");
+    put("coarser.glsl", "emitter.area >", "0.01 * emitter.area >");
+    put("wrong.glsl", "emitter.area >", "emitter.aria >");
+    let conform = "conform a.toml --set transport.scheme=links --no-validation";
+    let (out, _) = good(&here, &format!("{conform} --replace {ORACLE}=same.glsl"));
+    assert!(out.contains("refine") && out.contains("all conform"), "{out}");
+    let (out, err) = said(&program(&here, &format!("{conform} --replace {ORACLE}=coarser.glsl")).output().unwrap());
+    assert!(err.contains("stage:   refine"), "{out}{err}");
+    let sweep = format!("pareto a.toml --quick --methods links --samples 20 --replace {ORACLE}=");
+    bad(&here, &format!("{sweep}coarser.glsl"), 1, &["the replaced stage refine gives other values"]);
+    let (out, err) = good(&here, &format!("{sweep}coarser.glsl --unchecked --csv a.csv --svg a.svg"));
+    assert!(err.contains("refine: other values than the reference: what follows is unproved"), "{out}{err}");
+    assert!(out.contains("links, unproved") && read(&here, "a.svg").contains("links, unproved (angle)"), "{out}");
+    let text = read(&here, "a.csv");
+    let mut rows = csv::Reader::from_reader(text.as_bytes());
+    let head = rows.headers().unwrap().clone();
+    let place = |name: &str| head.iter().position(|column| column == name).unwrap();
+    let (method, links, error) = (place("method"), place("links_per_face"), place("own_l2"));
+    let rows: Vec<csv::StringRecord> = rows.records().map(|row| row.unwrap()).collect();
+    let values = |name: &str, column: usize| -> Vec<f64> {
+        rows.iter().filter(|row| &row[method] == name).map(|row| row[column].parse().unwrap()).collect()
+    };
+    let (before, after) = (values("links", links), values("links, unproved", links));
+    assert!(before.len() == 4 && after.len() == 4 && before[0] > after[0], "{before:?} {after:?}");
+    let (before, after) = (values("links", error), values("links, unproved", error));
+    assert!(before[0] < after[0] && after[0] < 2.0, "{before:?} {after:?}");
+    bad(&here, &format!("{sweep}wrong.glsl --unchecked"), 2, &["wrong.glsl:", "aria"]);
+    bad(&here, "pareto a.toml --unchecked", 2, &["--replace"]);
+    bad(&here, &format!("conform a.toml --replace {ORACLE}=same.glsl"), 2, &["a.toml does not run this kernel"]);
+    let twice = format!("{sweep}same.glsl --replace transport/links/refine/count=same.glsl");
+    bad(&here, &twice, 2, &["replaced twice", "found transport/links/refine/count"]);
+    std::fs::write(here.path().join("a.spv"), [0; 8]).unwrap();
+    bad(&here, &format!("{sweep}a.spv"), 2, &["is a part of kernels", "found SPIR-V"]);
 }

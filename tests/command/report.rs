@@ -44,7 +44,20 @@ fn what_can_not_be_done_is_refused_before_anything_is_measured() {
     bad(&here, "report -o /proc/report", 2, &["-o: the folder can't be written"]);
     bad(&here, "report -o r --only devices,colours", 2, &["--only: no such section; found colours", "pareto, modes"]);
     bad(&here, "report -o r --device nothing", 3, &["looking for device \"nothing\""]);
+    bad(&here, "report -o r --only mertens/table9", 2, &["--only: no such section", "mertens/table5"]);
+    bad(&here, "report file -o r --only devices", 2, &["only tables of Mertens", "found file"]);
     bad(&here, "report", 2, &["-o"]);
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn a_table_or_figure_comes_by_its_name() {
+    let here = folder(&[]);
+    let (_, err) = good(&here, "report -o r --device cpu --only mertens/figure3,mertens/figure4");
+    assert!(err.contains("1/2 mertens/figure3") && err.contains("2/2 mertens/figure4"), "{err}");
+    let page = read(&here, "r/index.html");
+    assert!(page.contains("<section id=\"mertens/figure3\">") && !page.contains("Tables 3, 4 and 5"), "{page}");
+    assert_eq!(names(&here.path().join("r")), ["figure-3.csv", "figure-4.csv", "index.html"]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::devices::on_devices;
 use crate::shell::folder;
-use milkglass::internals::gpu::{Given, replacement, source};
+use milkglass::internals::gpu::{Given, replacements, source};
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::replace::check;
 use milkglass::scene::Scene;
@@ -35,7 +35,8 @@ fn faults(part: &str, other: &str) -> Vec<String> {
     let list = opaque();
     let found = std::sync::Mutex::new(Vec::new());
     on_devices(|device| {
-        let device = device.replacing(KERNEL, replacement(KERNEL, &file, &Given::default()).unwrap()).unwrap();
+        let device =
+            device.replacing(KERNEL, replacements(KERNEL, &file, &Given::default()).unwrap().remove(0).1).unwrap();
         let rows = check(&device, &list).unwrap();
         assert!(rows.iter().all(|row| row.words > 0) && !rows.is_empty());
         found.lock().unwrap().extend(rows.into_iter().flat_map(|row| row.faults));

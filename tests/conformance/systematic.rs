@@ -5,7 +5,7 @@ use super::mutants;
 use super::stages::all;
 use crate::devices::on_devices_each;
 use crate::shell::folder;
-use milkglass::internals::gpu::{Given, replacement, source, sources};
+use milkglass::internals::gpu::{Given, replacements, source, sources};
 use milkglass::internals::layout::{BUFFER_IDS, Number};
 use milkglass::internals::pipeline::frame::owner;
 use milkglass::measure::conform::conform_stages;
@@ -54,7 +54,7 @@ fn a_division_may_round_down() {
     std::fs::write(here.path().join(edges), rounded).unwrap();
     let file = here.path().join("layers.comp");
     std::fs::write(&file, source(kernel).unwrap().as_ref()).unwrap();
-    let words = replacement(kernel, &file, &Given::default()).unwrap();
+    let words = replacements(kernel, &file, &Given::default()).unwrap().remove(0).1;
     let fixture = fixtures("diffusion under every light").unwrap();
     on_devices_each(&fixture, |device, fixture| {
         let device = device.replacing(kernel, words.clone()).unwrap();
@@ -83,7 +83,8 @@ mod rare {
         on_devices_each(&kernels, |device, (kernel, text)| {
             let file = here.path().join(format!("{}.comp", kernel.replace('/', "-")));
             std::fs::write(&file, text).unwrap();
-            let device = device.replacing(kernel, replacement(kernel, &file, &Given::default()).unwrap()).unwrap();
+            let device =
+                device.replacing(kernel, replacements(kernel, &file, &Given::default()).unwrap().remove(0).1).unwrap();
             // The mean over ever more values, until it shows.
             let stage = [owner(kernel).unwrap().name.to_string()];
             let mut rows = Vec::new();

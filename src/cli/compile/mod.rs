@@ -39,7 +39,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         families.iter().try_for_each(|(family, _)| create(&folder.join(family)))?;
     }
     let wanted = wanted(arguments)?;
-    arguments.replace.load()?.iter().try_for_each(|(kernel, _)| pipelines::runs(&wanted, kernel))?;
+    arguments.replace.load()?;
+    let run = wanted.iter().map(|wanted| wanted.kernel.clone()).collect();
+    if let Some(fault) = arguments.replace.unused(&run, "the scene") {
+        return Err(fault.into());
+    }
     let job = Job { wanted: &wanted, words: arguments.words(), timeout: arguments.timeout };
     let (mut sheets, mut failed) = (Sheets::new(), Vec::new());
     for (family, typed) in families {

@@ -68,15 +68,6 @@ pub(super) fn wanted(arguments: &Arguments) -> Result<Vec<Wanted>> {
     Ok(list)
 }
 
-/// Fails if this kernel, which the user replaces, is not among these pipelines.
-pub(super) fn runs(wanted: &[Wanted], kernel: &str) -> Result<()> {
-    if wanted.iter().any(|wanted| wanted.kernel == kernel) {
-        return Ok(());
-    }
-    let fault = Input::new("the scene does not run this kernel").key("--replace").found(kernel);
-    Err(fault.expected("one of a stage that `milkglass plan` lists for the scene").into())
-}
-
 /// The number of kernels among these pipelines.
 pub(super) fn kernels(wanted: &[Wanted]) -> usize {
     wanted.iter().map(|wanted| &wanted.kernel).collect::<BTreeSet<_>>().len()

@@ -6,30 +6,26 @@ use super::arguments::{Arguments, again, failure};
 use super::choose::Choice;
 use super::sink::Sink;
 use super::{dumps, unfinished};
-use milkglass::error::{Input, Result};
+use crate::cli::{print, write};
+use milkglass::error::Result;
 use milkglass::internals::gpu::Device;
-use milkglass::internals::state::{Width, dispatches};
 use milkglass::measure::conform::{Event, conform_told};
+use milkglass::measure::coverage::{Coverage, table};
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::leaning::blame;
 use milkglass::measure::results::{Outcome, Verdict};
 use milkglass::measure::{probe, replace};
 
 /// Compares everything that was chosen on all devices.
-pub(super) fn run(
-    arguments: &Arguments,
-    choices: &[Choice],
-    open: &[Device],
-    kernels: &[(String, Vec<u32>)],
-    sink: &mut Sink,
-) -> Result<()> {
-    // Kernels that some fixture runs; those that are replaced must be among them.
+pub(super) fn run(arguments: &Arguments, choices: &[Choice], open: &[Device], sink: &mut Sink) -> Result<()> {
+    // Kernels that some fixture runs: those that are replaced must be among them.
     let mut run = BTreeSet::from([probe::NAME.to_string()]);
+    let mut covered: Vec<Coverage> = arguments.coverage.iter().flat_map(|_| open.iter().map(Coverage::new)).collect();
     for choice in choices {
         let fixture = choice.make(arguments)?;
-        if !kernels.is_empty() {
-            let width = Width::of(&open[0]);
-            run.extend(dispatches(&fixture.state, &fixture.steps, width)?.into_iter().map(|found| found.kernel));
+        covered.iter_mut().try_for_each(|coverage| coverage.add(&fixture))?;
+        if !arguments.replace.pairs().is_empty() {
+            run.extend(replace::kernels_of(&fixture, &open[0])?);
         }
         for device in open {
             match (arguments.unfinished, &arguments.dump) {
@@ -38,16 +34,17 @@ pub(super) fn run(
             }
         }
     }
+    if let Some(path) = &arguments.coverage {
+        covered.iter().try_for_each(|coverage| print(&coverage.text()))?;
+        write(path, table(&covered).csv()?)?;
+    }
     // A child runs one fixture, and a shard some of them: neither need run every kernel.
-    match kernels.iter().find(|(name, _)| !run.contains(name)) {
-        Some((name, _)) if !arguments.child && arguments.shard.is_none() => {
-            let what = match choices {
-                [one] => format!("{} does not run this kernel", one.name()),
-                _ => "nothing that was chosen runs this kernel".into(),
-            };
-            let names = run.into_iter().collect::<Vec<_>>().join(", ");
-            Err(Input::new(what).key("--replace").found(name).expected(names).into())
-        }
+    let whose = match choices {
+        [one] => one.name(),
+        _ => "what was chosen",
+    };
+    match arguments.replace.unused(&run, whose) {
+        Some(fault) if !arguments.child && arguments.shard.is_none() => Err(fault.into()),
         _ => Ok(()),
     }
 }

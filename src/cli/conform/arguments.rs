@@ -64,6 +64,10 @@ pub struct Arguments {
     /// In the folders of --dump leave out groups that do not fail, and the ends of buffers that nothing reaches.
     #[arg(long, requires = "dump")]
     pub(super) minimize: bool,
+    /// Also run what was chosen with kernels that count, and say what of SPIR-V and Vulkan was executed, by which
+    /// fixtures, in a CSV file.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["isolate", "junit", "child", "list"])]
+    pub(super) coverage: Option<PathBuf>,
     /// Write all results to this file at the end.
     #[arg(long, value_name = "FILE")]
     pub(super) json: Option<PathBuf>,

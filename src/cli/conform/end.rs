@@ -8,7 +8,6 @@ use super::sink::Sink;
 use crate::cli::compare::described;
 use crate::cli::print;
 use milkglass::error::{Error, Input, Result};
-use milkglass::internals::pipeline::frame::owner;
 use milkglass::measure::bias::{Bias, add};
 use milkglass::measure::results::changes::{Thresholds, changes};
 use milkglass::measure::results::{Outcome, Results, Verdict};
@@ -44,8 +43,9 @@ pub(super) fn end(arguments: &Arguments, mut sink: Sink, before: Option<&Results
         print(&described(&changes(before, &sink.all, &Thresholds::default())?))?;
     }
     let idle = |name: &&String| outcomes.iter().all(|outcome| outcome.stage != **name);
-    let own: Vec<String> = sink.replaced.iter().filter_map(|kernel| Some(owner(kernel)?.name.to_string())).collect();
-    let asked = arguments.stage.iter().map(|stage| ("--stage", stage)).chain(own.iter().map(|s| ("--replace", s)));
+    let own = arguments.replace.stages();
+    let own = own.iter().filter(|stages| stages.iter().all(|stage| idle(&stage))).filter_map(|stages| stages.first());
+    let asked = arguments.stage.iter().map(|stage| ("--stage", stage)).chain(own.map(|stage| ("--replace", stage)));
     // A shard need not run every stage.
     if wrong.is_empty()
         && arguments.shard.is_none()

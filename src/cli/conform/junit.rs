@@ -44,7 +44,7 @@ pub(super) fn report(all: &Results, known: &[Known]) -> Result<String, Serialize
 
 /// The text without the attribute `skipped` of `testsuites`: the schema of Jenkins' xUnit plugin has it for each suite,
 /// and refuses a file that also has it for all of them.
-fn known_root(text: &str, skipped: usize) -> String {
+pub(in crate::cli) fn known_root(text: &str, skipped: usize) -> String {
     // A value's `>` and quotes are escaped.
     let end = text.find("<testsuites").and_then(|at| Some(at + text[at..].find('>')?));
     let (root, rest) = text.split_at(end.unwrap_or(0));

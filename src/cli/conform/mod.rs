@@ -16,6 +16,7 @@ mod unfinished;
 
 pub use self::arguments::Arguments;
 use self::choose::chosen;
+pub(super) use self::junit::known_root;
 use self::sink::Sink;
 use super::device::opened;
 use super::print;
@@ -42,6 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ("--json", arguments.json.as_ref()),
         ("--jsonl", arguments.jsonl.as_ref()),
         ("--junit", arguments.junit.as_ref()),
+        ("--coverage", arguments.coverage.as_ref()),
     ])?;
     let before: Option<Results> = arguments.baseline.as_deref().map(read).transpose()?;
     let known = expect::load(arguments.expect.as_deref())?;
@@ -72,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     failures.into_iter().try_for_each(|failure| sink.add(failure))?;
     let done = match isolated {
         true => isolate::run(arguments, &choices, &devices, &mut sink),
-        false => alone::run(arguments, &choices, &open, &kernels, &mut sink),
+        false => alone::run(arguments, &choices, &open, &mut sink),
     };
     if let Err(error) = done {
         // Write the results so far.

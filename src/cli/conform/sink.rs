@@ -2,9 +2,6 @@
 
 use std::fs::File;
 use std::io::Write;
-use std::time::SystemTime;
-
-use chrono::{DateTime, SecondsFormat, Utc};
 
 use super::arguments::Arguments;
 use super::choose::Choice;
@@ -12,7 +9,7 @@ use super::expect::Known;
 use super::junit;
 use super::sheet::Sheet;
 use crate::cli::run_args::quoted;
-use crate::cli::{print, write};
+use crate::cli::{now, print, write};
 use milkglass::error::{Input, Result};
 use milkglass::measure::conform::BINS;
 use milkglass::measure::results::{DeviceFacts, Line, Outcome, Results, Run, SCHEMA, system};
@@ -47,7 +44,7 @@ impl Sink {
             commit: option_env!("MILKGLASS_COMMIT").map(str::to_string),
             system: system(),
             layer,
-            date: DateTime::<Utc>::from(SystemTime::now()).to_rfc3339_opts(SecondsFormat::Secs, true),
+            date: now(),
             command: format!("milkglass {}", words.join(" ")),
             most_ulp_of_bins: BINS.to_vec(),
             devices,

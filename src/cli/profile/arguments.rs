@@ -12,7 +12,7 @@ use crate::cli::run_args::OptionArguments;
 use crate::cli::timing::{MOST, TimingArguments};
 use crate::cli::validation;
 use milkglass::error::{Input, Result};
-use milkglass::internals::gpu::{Choices, Device};
+use milkglass::internals::gpu::{Choices, Device, Timed};
 use milkglass::measure::profile::Settings;
 use milkglass::measure::profile::file::{SCHEMA, Saved, Subject};
 use milkglass::measure::rounds::{ROUNDS, Samples};
@@ -51,6 +51,12 @@ pub struct Arguments {
     /// Also write the whole profile with all samples to this JSON file, for `--compare` and for programs.
     #[arg(long, value_name = "FILE", visible_alias = "json")]
     pub(super) save: Option<PathBuf>,
+    /// Also draw each row by its intensity and rate, under what the device can do, in this SVG file.
+    #[arg(long, value_name = "FILE", conflicts_with = "against")]
+    pub(super) roofline: Option<PathBuf>,
+    /// Also append a line with the median of each stage to this file, which `report --history` draws.
+    #[arg(long, value_name = "FILE", conflicts_with = "serve")]
+    pub(super) history: Option<PathBuf>,
     /// Also write the timed frames for chrome://tracing or ui.perfetto.dev.
     #[arg(long, value_name = "FILE", conflicts_with = "against")]
     pub(super) trace: Option<PathBuf>,
@@ -58,7 +64,7 @@ pub struct Arguments {
     /// dispatches, barriers and submissions cost, how long pipelines took to compile.
     #[arg(long, conflicts_with_all = ["against", "compare"])]
     pub(super) why: bool,
-    /// Time stages, or each kernel by itself.
+    /// Time stages, each kernel, or each of its dispatches.
     #[arg(long, value_enum, default_value_t = By::Stage, conflicts_with_all = ["against", "replace", "why"])]
     by: By,
     #[command(flatten)]
@@ -75,6 +81,19 @@ enum By {
     Stage,
     /// Kernels, all dispatches of a frame together.
     Kernel,
+    /// Dispatches, by their kernel and their number in a submission.
+    Dispatch,
+}
+
+impl By {
+    /// The option, as it is given.
+    fn option(self) -> &'static str {
+        match self {
+            Self::Stage => "--by stage",
+            Self::Kernel => "--by kernel",
+            Self::Dispatch => "--by dispatch",
+        }
+    }
 }
 
 impl Arguments {
@@ -112,13 +131,25 @@ impl Arguments {
         Settings { frames, until, traces, ..*settings }
     }
 
+    /// The files that are written whole, with their options.
+    pub(super) fn files(&self) -> [(&'static str, Option<&PathBuf>); 5] {
+        [
+            ("--csv", self.csv.as_ref()),
+            ("--json", self.save.as_ref()),
+            ("--trace", self.trace.as_ref()),
+            ("--junit", self.gate.junit.as_ref()),
+            ("--roofline", self.roofline.as_ref()),
+        ]
+    }
+
     /// Fails if there are several devices and an option that goes with one only.
     pub(super) fn check(&self) -> Result<()> {
         let given = [
             ("--csv", self.csv.is_some()),
             ("--trace", self.trace.is_some()),
             ("--why", self.why),
-            ("--by kernel", self.by == By::Kernel),
+            (self.by.option(), self.by != By::Stage),
+            ("--roofline", self.roofline.is_some()),
             ("--replace", !self.replace.pairs().is_empty()),
             ("--compare", !self.compare.is_empty()),
             ("--against", self.against.is_some()),
@@ -132,6 +163,10 @@ impl Arguments {
                 Some("--fail-work") => {
                     let fault = Input::new("only kernels that are replaced are counted").key("--fail-work");
                     Err(fault.expected("--replace KERNEL=FILE").into())
+                }
+                Some("--junit") => {
+                    let fault = Input::new("nothing is held to a limit").key("--junit");
+                    Err(fault.expected("--fail-slower or --fail-work").into())
                 }
                 Some(key) => {
                     let fault = Input::new("nothing is compared").key(key);
@@ -150,19 +185,22 @@ impl Arguments {
     /// Opens a device; `None` is the CPU.
     pub(super) fn open(&self, name: Option<&String>) -> Result<Option<Device>> {
         let device = DeviceArgument::named(name.cloned()).open(validation())?;
-        let device = match (device, self.by) {
-            (Some(device), By::Kernel) if device.limits().timestamp_period == 0.0 => {
-                let fault = Input::new("times kernels by the device's timestamps").key("--by kernel");
+        let timed = match self.by {
+            By::Stage => Timed::Steps,
+            By::Kernel => Timed::Kernels,
+            By::Dispatch => Timed::Dispatches,
+        };
+        let device = match device {
+            device if timed == Timed::Steps => device,
+            Some(device) if device.limits().timestamp_period == 0.0 => {
+                let fault = Input::new("times kernels by the device's timestamps").key(self.by.option());
                 return Err(fault.found(format!("none of {}", device.name())).into());
             }
-            (Some(device), By::Kernel) => {
-                Some(device.opened_as(&Choices { by_kernel: true, ..device.choices().clone() })?)
-            }
-            (None, By::Kernel) => {
-                let fault = Input::new("times kernels of a Vulkan device").key("--by kernel").found("the CPU");
+            Some(device) => Some(device.opened_as(&Choices { timed, ..device.choices().clone() })?),
+            None => {
+                let fault = Input::new("times kernels of a Vulkan device").key(self.by.option()).found("the CPU");
                 return Err(fault.expected("a device that `milkglass devices` lists").into());
             }
-            (device, By::Stage) => device,
         };
         // A profile tells how long a stage's first run takes, so nothing is compiled ahead.
         device.iter().for_each(|device| device.compile_ahead(false));
@@ -186,7 +224,8 @@ impl Arguments {
             change: self.timing.change_name(),
             mode: words[1].clone(),
             transport: words[3].clone(),
-            by_kernel: self.by == By::Kernel,
+            by_kernel: self.by != By::Stage,
+            by_dispatch: self.by == By::Dispatch,
         }
     }
 

@@ -4,6 +4,7 @@
 mod arguments;
 mod comparison;
 mod gate;
+mod junit;
 mod pipe;
 mod text;
 mod why;
@@ -16,32 +17,33 @@ use serde_json::{Value, json};
 pub use self::arguments::Arguments;
 use self::comparison::{files, forecast, told};
 pub(super) use self::comparison::{half, rounds, unmet};
+use self::gate::Held;
 use self::pipe::{Other, serve};
 use self::text::{text, work_told};
 use super::replace::replaced;
-use super::{check_messages, print, write};
+use super::{check_messages, now, print, write};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::profile::file::{Saved, read};
+use milkglass::measure::profile::history::Entry;
+use milkglass::measure::profile::roofline;
 use milkglass::measure::profile::why::why;
 use milkglass::measure::profile::{Open, Profile, Settings, against, agreement, profile, result, variant, work};
 use milkglass::measure::replace::stages;
+use milkglass::measure::results::system;
 use milkglass::measure::rounds::{Forecast, Measured, Samples, Starter, compare};
 use milkglass::scene::Scene;
 
 /// Measures, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.check()?;
-    ready([
-        ("--csv", arguments.csv.as_ref()),
-        ("--json", arguments.save.as_ref()),
-        ("--trace", arguments.trace.as_ref()),
-    ])?;
+    ready(arguments.files())?;
     if let [first, second] = arguments.compare.as_slice() {
-        let rows = files((&read(first)?, first), (&read(second)?, second))?;
-        return gate::end(&arguments.gate.times("B against A", &rows, &[]));
+        let (one, two) = (read(first)?, read(second)?);
+        let held = arguments.gate.times("B against A", &files((&one, first), (&two, second))?, &[]);
+        return end(arguments, &held, &[("A", one.origin()), ("B", two.origin())]);
     }
     let settings = arguments.settings();
     if settings.options.mode == Mode::Incremental && settings.change == Change::EVERYTHING && !arguments.serve {
@@ -67,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let fault = Input::new("measures a Vulkan device").key("--why").found("the CPU");
         return Err(fault.expected("a device that `milkglass devices` lists").into());
     }
-    let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)])?;
+    let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)], false)?;
     let mut comparison = match &own {
         Some(after) => replacement(arguments, &scene, (device.as_ref(), after), &settings)?,
         None => Comparison::default(),
@@ -86,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         earlier.same_subject(&saved, path)?;
         print("\n")?;
         let rows = files((earlier, path), (&saved, Path::new("this run")))?;
-        comparison.failures = arguments.gate.times("B against A", &rows, &[]);
+        comparison.held = arguments.gate.times("B against A", &rows, &[]);
     }
     let mut json = write_files(arguments, &found)?;
     if let Some(why) = &reasons {
@@ -102,6 +104,13 @@ fn write_files(arguments: &Arguments, found: &Profile) -> Result<Value> {
     }
     if let Some(path) = &arguments.trace {
         write(path, format!("{}\n", found.trace()))?;
+    }
+    if let Some(path) = &arguments.roofline {
+        let fault = |why: &str| Input::new(why).key("--roofline").found(found.device.as_str());
+        match roofline(found)? {
+            Some(drawing) => write(path, drawing)?,
+            None => return Err(fault("no work was counted, or no rate measured").expected("a Vulkan device").into()),
+        }
     }
     Ok(found.json())
 }
@@ -121,9 +130,9 @@ fn replacement(
     let found = against(scene, &devices, settings, &edited, &mut foretold(settings))?;
     let mut comparison = compared(arguments, &found.samples, settings)?;
     if let (Some(before), Some(rows)) = (before, comparison.json.get_mut(0)) {
-        let (counts, failures) = works(arguments, scene, [before, after], &edited)?;
+        let (counts, held) = works(arguments, scene, [before, after], &edited)?;
         rows["work"] = counts;
-        comparison.failures.extend(failures);
+        comparison.held.extend(held);
     }
     Ok(comparison)
 }
@@ -196,12 +205,7 @@ fn foretold(settings: &Settings) -> impl FnMut(&Forecast) {
 
 /// Counts what the built-in and the replaced kernels do, prints it for the edited stages and for others whose counts
 /// changed; returns it, and what is beyond a limit.
-fn works(
-    arguments: &Arguments,
-    scene: &Scene,
-    devices: [&Device; 2],
-    edited: &[String],
-) -> Result<(Value, Vec<String>)> {
+fn works(arguments: &Arguments, scene: &Scene, devices: [&Device; 2], edited: &[String]) -> Result<(Value, Vec<Held>)> {
     let mut counted = Vec::new();
     for device in devices {
         match work(scene, device, &arguments.settings()) {
@@ -213,25 +217,25 @@ fn works(
             Err(error) => return Err(error),
         }
     }
-    let (mut text, mut all, mut failures) = (String::new(), Vec::new(), Vec::new());
+    let (mut text, mut all, mut held) = (String::new(), Vec::new(), Vec::new());
     let names: BTreeSet<&str> = counted.iter().flat_map(|stages| stages.keys().map(String::as_str)).collect();
     for stage in names {
         let [before, after] = [0, 1].map(|k| counted[k].get(stage).copied().unwrap_or_default());
         if edited.iter().any(|name| name == stage) || before != after {
             text += &work_told(stage, [before, after]);
-            failures.extend(arguments.gate.work(stage, [before, after]));
+            held.extend(arguments.gate.work(stage, [before, after]));
             all.push(json!({"stage": stage, "before": before, "after": after}));
         }
     }
     print(&format!("counted exactly, in one more frame of each:\n{text}\n"))?;
-    Ok((all.into(), failures))
+    Ok((all.into(), held))
 }
 
-/// A comparison: as JSON, and what is beyond a limit.
+/// A comparison: as JSON, and what was held to a limit.
 #[derive(Default)]
 struct Comparison {
     json: Value,
-    failures: Vec<String>,
+    held: Vec<Held>,
 }
 
 /// Prints the ratios of samples of several variants; returns them.
@@ -240,20 +244,33 @@ fn compared(arguments: &Arguments, samples: &Samples, settings: &Settings) -> Re
     print(&format!("{}{}\n", told(samples, &ratios), unmet(samples, settings)))?;
     let names = samples.variants.iter().skip(1).map(|variant| &variant.name);
     let rows = names.zip(&ratios);
-    let failures = rows.clone().flat_map(|(name, rows)| arguments.gate.times(name, rows, &samples.edited)).collect();
-    Ok(Comparison { json: rows.map(|(name, rows)| json!({"variant": name, "rows": rows})).collect(), failures })
+    let held = rows.clone().flat_map(|(name, rows)| arguments.gate.times(name, rows, &samples.edited)).collect();
+    Ok(Comparison { json: rows.map(|(name, rows)| json!({"variant": name, "rows": rows})).collect(), held })
 }
 
-/// Writes the file of `--save`, if it was requested; fails if the comparison is beyond a limit.
+/// Writes the files of `--save` and `--history`, if they were requested; fails if the comparison is beyond a limit.
 fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: Comparison) -> Result<()> {
-    let Some(path) = &arguments.save else { return gate::end(&comparison.failures) };
-    let fault = |error: serde_json::Error| Error::from(Input::new(error.to_string()).file(path));
-    if let (Value::Object(all), Value::Object(own)) = (&mut value, serde_json::to_value(saved).map_err(fault)?) {
-        all.extend(own);
-        all.insert("comparison".into(), comparison.json);
+    if let Some(path) = &arguments.save {
+        let fault = |error: serde_json::Error| Error::from(Input::new(error.to_string()).file(path));
+        if let (Value::Object(all), Value::Object(own)) = (&mut value, serde_json::to_value(saved).map_err(fault)?) {
+            all.extend(own);
+            all.insert("comparison".into(), comparison.json);
+        }
+        write(path, format!("{value:#}\n"))?;
     }
-    write(path, format!("{value:#}\n"))?;
-    gate::end(&comparison.failures)
+    if let Some(path) = &arguments.history {
+        Entry::of(saved, now()).append(path)?;
+    }
+    let subject = [("run", saved.origin()), ("scene", saved.subject.scene.clone()), ("system", system())];
+    end(arguments, &comparison.held, &subject)
+}
+
+/// Writes the file of `--junit`, if it was requested; fails if something is beyond a limit.
+fn end(arguments: &Arguments, held: &[Held], properties: &[(&str, String)]) -> Result<()> {
+    if let Some(path) = &arguments.gate.junit {
+        junit::put(path, held, properties)?;
+    }
+    gate::end(held)
 }
 
 /// Name and driver of a device, or of the CPU's reference.

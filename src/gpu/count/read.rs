@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use spirq::spirv::{Decoration, GLOp, Op, StorageClass};
 
+use super::code::Code;
 use super::tally::{Block, Traffic};
 use crate::gpu::spirv_module::{Declared, Instruction, instructions};
 
@@ -107,6 +108,7 @@ impl<'a> Module<'a> {
     /// Adds what an instruction does to its block.
     pub(super) fn add(&self, block: &mut Block, instruction: Instruction<'_>) {
         let Instruction { op: Some(op), operands, .. } = instruction else { return };
+        block.codes.extend(Code::of(op, operands, self.glsl));
         if let Some((pointer, traffic)) = self.traffic(op, operands) {
             if let Some(&binding) = self.pointers.get(&pointer) {
                 block.moved.entry(binding).or_default().add(1, traffic);

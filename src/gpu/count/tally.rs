@@ -1,6 +1,8 @@
 //! What a block of a kernel does when it runs once, and what a kernel has done in all.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::code::Code;
 
 /// What a block does when it runs once.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +15,8 @@ pub(in super::super) struct Block {
     pub(super) roots: u32,
     /// Exponentials and the like.
     pub(super) exps: u32,
+    /// What it is made of; of the first block also what the module declares.
+    pub(super) codes: BTreeSet<Code>,
     /// Bytes of buffers, by binding.
     pub(super) moved: BTreeMap<u32, Traffic>,
 }
@@ -47,6 +51,10 @@ pub struct Tally {
     pub exps: u64,
     /// Bytes that loads and stores name, by binding.
     pub moved: BTreeMap<u32, Traffic>,
+    /// What it is made of.
+    pub listed: BTreeSet<Code>,
+    /// What of that is in blocks that ran.
+    pub executed: BTreeSet<Code>,
 }
 
 impl Tally {
@@ -58,6 +66,10 @@ impl Tally {
             tally.flops += count * u64::from(block.flops);
             tally.roots += count * u64::from(block.roots);
             tally.exps += count * u64::from(block.exps);
+            tally.listed.extend(block.codes.iter().cloned());
+            if count > 0 {
+                tally.executed.extend(block.codes.iter().cloned());
+            }
             for (&binding, &traffic) in &block.moved {
                 tally.moved.entry(binding).or_default().add(count, traffic);
             }
@@ -71,6 +83,8 @@ impl Tally {
         self.flops += other.flops;
         self.roots += other.roots;
         self.exps += other.exps;
+        self.listed.extend(other.listed.iter().cloned());
+        self.executed.extend(other.executed.iter().cloned());
         for (&binding, &traffic) in &other.moved {
             self.moved.entry(binding).or_default().add(1, traffic);
         }

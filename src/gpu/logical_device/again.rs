@@ -3,6 +3,8 @@
 use std::time::Duration;
 
 use super::LogicalDevice;
+#[cfg(feature = "measure")]
+use super::create::extension_names;
 use crate::error::Result;
 use crate::gpu::choices::Choices;
 use crate::gpu::extras::Extras;
@@ -42,6 +44,12 @@ impl LogicalDevice {
     /// What it was opened with on request.
     pub(in super::super) fn extras(&self) -> &Extras {
         &self.0.extras
+    }
+
+    /// The extensions that it was opened with, and others that its driver offers.
+    #[cfg(feature = "measure")]
+    pub(in super::super) fn extensions(&self) -> [Vec<String>; 2] {
+        extension_names(&self.0.instance, &self.0.adapter, self.choices(), self.extras())
     }
 
     /// The version of the validation layer, if it watches.

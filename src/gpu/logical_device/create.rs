@@ -81,6 +81,26 @@ fn extensions(presents: bool, offers: &Offers, choices: &Choices, extras: &Extra
     all.into_iter().filter(|(needed, _)| *needed).map(|(_, name)| name).chain(offers.clock).collect()
 }
 
+/// The names of the extensions that a device is opened with, and of others that its driver offers.
+#[cfg(feature = "measure")]
+pub(super) fn extension_names(
+    instance: &Instance,
+    adapter: &Adapter,
+    choices: &Choices,
+    extras: &Extras,
+) -> [Vec<String>; 2] {
+    let text = |name: &CStr| name.to_string_lossy().into_owned();
+    let used: Vec<String> =
+        extensions(instance.0.presents, &adapter.offers, choices, extras).into_iter().map(text).collect();
+    // SAFETY: a plain query on a device of this instance.
+    let offered = unsafe { instance.0.raw.enumerate_device_extension_properties(adapter.physical) };
+    let offered = offered.unwrap_or_default();
+    let names = offered.iter().filter_map(|known| known.extension_name_as_c_str().ok().map(text));
+    let mut others: Vec<String> = names.filter(|name| !used.contains(name)).collect();
+    others.sort();
+    [used, others]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

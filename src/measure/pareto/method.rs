@@ -1,5 +1,6 @@
 //! The methods that are compared: a table, and one function per method that opens it at a setting.
 
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::frames::{Frames, diffusion, diffusion_kept};
@@ -19,7 +20,7 @@ pub struct Bench<'a> {
 }
 
 /// A transport method, and the setting that trades its error for time.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Method {
     /// Its name, as `--methods` takes it.
     pub name: &'static str,
@@ -37,6 +38,20 @@ pub struct Method {
     pub open: fn(&Bench<'_>, Lighting, f64) -> Result<Opened>,
     /// Predicts the seconds of a frame, for methods of which even the first frame may take too long.
     pub foretell: Option<fn(&Bench<'_>, Lighting) -> Result<f64>>,
+}
+
+impl Method {
+    /// The same method, run by other kernels, as its name says; methods are few, and live as long as the program.
+    pub(super) fn called(&self, how: &str) -> &'static Self {
+        static KNOWN: Mutex<Vec<&'static Method>> = Mutex::new(Vec::new());
+        let name = format!("{}, {how}", self.name);
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(method) = known.iter().find(|method| method.name == name) {
+            return method;
+        }
+        known.push(Box::leak(Box::new(Self { name: name.leak(), ..self.clone() })));
+        known[known.len() - 1]
+    }
 }
 
 /// A method at a setting, after its first frame as warm-up; or the reason why it is not offered.

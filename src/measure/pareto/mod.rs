@@ -119,6 +119,15 @@ impl Sweep {
         here.filter_map(|point| point.run.as_ref().ok().map(|run| (point, run)))
     }
 
+    /// This sweep with the points of another one, of replaced kernels, behind its own; `how` goes to the names of the
+    /// other one's methods.
+    #[must_use]
+    pub fn beside(mut self, other: Self, how: &str) -> Self {
+        let called = |point: Point| Point { method: point.method.called(how), ..point };
+        self.points.extend(other.points.into_iter().map(called));
+        self
+    }
+
     /// The methods that have points, in order.
     pub fn methods(&self) -> Vec<&'static Method> {
         let mut methods: Vec<&'static Method> = Vec::new();

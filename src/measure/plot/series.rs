@@ -98,11 +98,11 @@ impl Series {
             }
             match self.mark {
                 Mark::Dots => root.draw(&Circle::new(place, if small { 1 } else { 3 }, color.filled()))?,
-                Mark::Curve => {
-                    marker(root, k, place, color, point.hollow)?;
-                    words(root, &point.label, (place.0 + 8, place.1 - 9), 11)?;
-                }
+                Mark::Curve => marker(root, k, place, color, point.hollow)?,
                 _ => {}
+            }
+            if !point.label.is_empty() {
+                words(root, &point.label, (place.0 + 8, place.1 - 9), 11)?;
             }
         }
         Ok(())

@@ -30,6 +30,21 @@ pub struct Subject {
     /// Whether kernels are timed, not stages.
     #[serde(default)]
     pub by_kernel: bool,
+    /// Whether each of their dispatches is.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub by_dispatch: bool,
+}
+
+impl Subject {
+    /// What has times of its own, in a word.
+    #[must_use]
+    pub fn by(&self) -> &'static str {
+        match (self.by_kernel, self.by_dispatch) {
+            (_, true) => "dispatch",
+            (true, false) => "kernel",
+            (false, false) => "stage",
+        }
+    }
 }
 
 /// A run of `profile`.
@@ -49,7 +64,8 @@ pub struct Saved {
     pub driver: String,
     /// Kernels that were replaced, `KERNEL=FILE`, and the file of their constants.
     pub replaced: Vec<String>,
-    /// All times.
+    /// All times; none in a history.
+    #[serde(default, skip_serializing_if = "Samples::is_empty")]
     pub samples: Samples,
 }
 
@@ -73,7 +89,7 @@ impl Saved {
                 ("--change", subject.change.clone()),
                 ("--mode", subject.mode.clone()),
                 ("--transport", subject.transport.clone()),
-                ("--by", if subject.by_kernel { "kernel" } else { "stage" }.to_string()),
+                ("--by", subject.by().to_string()),
             ];
             [rest.to_vec(), subject.sets.iter().map(set).collect()].concat()
         };

@@ -7,8 +7,10 @@
 
 mod agreement;
 pub mod file;
+pub mod history;
 mod quantiles;
 mod rates;
+mod roofline;
 mod sheet;
 mod trace;
 pub mod why;
@@ -17,11 +19,12 @@ mod work;
 pub use self::agreement::{Agreement, agreement};
 pub use self::quantiles::Quantiles;
 pub use rates::{Rates, rates};
+pub use roofline::roofline;
 pub use trace::trace;
 pub use work::{Work, work};
 
 use crate::error::Result;
-use crate::gpu::{Device, Timing};
+use crate::gpu::{Device, Timed, Timing};
 use crate::layout::BufferId;
 use crate::measure::rounds::{Forecast, Frame, InProcess, Measured, Samples, Schedule, Starter, compare, run};
 use crate::measure::statistics::Interval;
@@ -170,7 +173,9 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
         notes.push("the octree runs on the host".into());
     }
     let mut rows = rows(&mut session, &trace, &samples, settings)?;
-    if let Some(device) = device {
+    if device.is_some_and(|device| device.choices().timed == Timed::Dispatches) {
+        notes.push("what kernels do is counted for all dispatches of a kernel together: --by kernel shows it".into());
+    } else if let Some(device) = device {
         match work::of(scene, &device.counting(), settings, &mut session) {
             Ok(tallies) => rows.iter_mut().for_each(|row| row.work = tallies.get(row.stage.as_str()).copied()),
             Err(error) if error.is_device_fault() => notes.push(format!("what stages do was not counted: {error}")),
@@ -240,15 +245,16 @@ fn of_stage(frames: &[Frame], stage: &str) -> Vec<f64> {
 /// The rows of all stages in the order of their first step; `work` is filled in later.
 fn rows(session: &mut Session, frames: &[Frame], samples: &Samples, settings: &Settings) -> Result<Vec<Row>> {
     let on_device = session.device().is_some();
-    let by_kernel = session.device().is_some_and(|device| device.choices().by_kernel);
+    let timed = session.device().map_or(Timed::Steps, |device| device.choices().timed);
+    let by_stage = timed == Timed::Steps;
     let dispatches = if on_device { session.dispatches(settings.change)? } else { Vec::new() };
     let of = |name: &str| {
-        let named = |dispatch: &&Dispatch| dispatch.stage == name || (by_kernel && dispatch.kernel == name);
-        dispatches.iter().filter(named).count()
+        let named = |dispatch: &&Dispatch| dispatch.stage == name || (!by_stage && dispatch.kernel == name);
+        if timed == Timed::Dispatches { 1 } else { dispatches.iter().filter(named).count() }
     };
     let mut apart: Vec<Frame> = Vec::new();
     // Time half as many frames again, with each step submitted separately.
-    for _ in 0..if on_device && !by_kernel { frames.len().div_ceil(2) } else { 0 } {
+    for _ in 0..if on_device && by_stage { frames.len().div_ceil(2) } else { 0 } {
         apart.push(Frame { steps: session.apart(settings.change)?, ..Frame::default() });
     }
     let mut rows: Vec<Row> = Vec::new();
@@ -265,7 +271,7 @@ fn rows(session: &mut Session, frames: &[Frame], samples: &Samples, settings: &S
             dispatches: of(&time.name),
             device: (stage && own.median.is_finite()).then_some(own),
             interval: samples.variants.first().and_then(|only| samples.median(only, &time.name)),
-            wall: if stage && !by_kernel { Quantiles::of(of_stage(&apart, &time.name)) } else { own },
+            wall: if stage && by_stage { Quantiles::of(of_stage(&apart, &time.name)) } else { own },
             work: None,
         });
     }

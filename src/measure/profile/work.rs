@@ -7,8 +7,8 @@ use serde::Serialize;
 use super::agreement::agreement;
 use super::{Settings, result, variant};
 use crate::error::{Error, Result};
-use crate::gpu::Device;
 use crate::gpu::count::{Tally, Traffic};
+use crate::gpu::{Device, Timed};
 use crate::layout::{BUFFER_IDS, BufferId};
 use crate::pipeline::frame::owner;
 use crate::pipeline::plan::Change;
@@ -104,7 +104,7 @@ fn same_work(counted: &mut Session, plain: &mut Session) -> Result<()> {
 
 /// Whether kernels are looked at by themselves, and not by stage.
 fn by_kernel(session: &Session) -> bool {
-    session.device().is_some_and(|device| device.choices().by_kernel)
+    session.device().is_some_and(|device| device.choices().timed == Timed::Kernels)
 }
 
 /// Counts of each stage's kernels since the last call.

@@ -23,12 +23,22 @@ fn named(rule: Integration) -> &'static str {
 /// Errors and times by number of samples, cost by number of lights, each approximation on its own, and pictures of
 /// the fish.
 pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
-    let size = bench.either([120, 90], [800, 600]);
-    let looks = Looks { sizes: bench.either([size, [240, 180]], [size, [400, 300]]), pixels: bench.either(512, 2048) };
+    let looks = looks(bench);
     integration(bench, page, looks)?;
-    lights(bench, page, size)?;
+    lights(bench, page, looks.sizes[0])?;
     alone(page, looks)?;
     pictures(bench, page)
+}
+
+/// Table 2 alone.
+pub fn table2(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    integration(bench, page, looks(bench))
+}
+
+/// How large pictures are, and at how many pixels errors are measured.
+fn looks(bench: &Bench<'_>) -> Looks {
+    let size = bench.either([120, 90], [800, 600]);
+    Looks { sizes: bench.either([size, [240, 180]], [size, [400, 300]]), pixels: bench.either(512, 2048) }
 }
 
 /// Frames that are timed.
@@ -149,7 +159,7 @@ fn alone(page: &mut Page, looks: Looks) -> Result<()> {
 }
 
 /// The fish by both rules, and what differs.
-fn pictures(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+pub fn pictures(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("The fish by its samples");
     let size = bench.either([240, 180], [480, 360]);
     for samples in SAMPLES {

@@ -75,7 +75,7 @@ const QUICK_BLUR: &str = "transport.blur_texture=128";
 const LUMPS: &str = "object.0.deform=[{ type = 'noise', amplitude = 1, scale = 5 }]";
 
 /// Table 1: cost and error of each technique.
-fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+pub fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("Table 1: what shading costs");
     page.say(
         "Shading alone, without visibility and shadows, techniques alternating. Texture blur needs texture coordinates \

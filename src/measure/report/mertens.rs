@@ -1,5 +1,7 @@
 //! Section `mertens`: figures 3 and 4 of Mertens et al. 2003 as plots, tables 3, 4 and 5 with our values.
 
+use std::ops::Range;
+
 use super::{Bench, Page, Tone};
 use crate::error::Result;
 use crate::measure::plot::{Axis, CHANNELS, Panel, Series};
@@ -9,17 +11,56 @@ use crate::measure::tables::{Bench as Models, TABLES};
 
 /// The figures, then the tables.
 pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
-    let (third, fourth) = (figure_3(), figure_4());
-    form_factor(&third, page)?;
-    marble(&fourth, page)?;
-    for (name, points) in [("figure 3", &third), ("figure 4", &fourth)] {
-        let most = |of: &dyn Fn(&Point) -> f64| points.iter().map(|p| of(p).abs()).fold(0.0, f64::max);
-        let (paper, ours) = (most(&|p| p.error(p.paper.value)), most(&|p| p.error(p.ours[1].1)));
-        let tone = Tone::of(ours <= paper);
-        let aim = format!("{name}: largest error at most that of the published method");
-        page.find(tone, &aim, &format!("ours at {:e}: {ours:.1e}, published: {paper:.1e}", TOLERANCES[1]));
+    figure3(bench, page)?;
+    figure4(bench, page)?;
+    page.head("Tables 3, 4 and 5");
+    tables(bench, page, 0..bench.either(1, TABLES.len()))?;
+    if bench.quick {
+        page.say(
+            "Tables 4 and 5 and the larger models of table 3 are in the full report, and in `cargo bench -- tables`.",
+        );
     }
-    tables(bench, page)
+    Ok(())
+}
+
+/// Figure 3.
+pub fn figure3(_: &Bench<'_>, page: &mut Page) -> Result<()> {
+    let points = figure_3();
+    form_factor(&points, page)?;
+    aim("figure 3", &points, page);
+    Ok(())
+}
+
+/// Figure 4.
+pub fn figure4(_: &Bench<'_>, page: &mut Page) -> Result<()> {
+    let points = figure_4();
+    marble(&points, page)?;
+    aim("figure 4", &points, page);
+    Ok(())
+}
+
+/// Table 3.
+pub fn table3(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    tables(bench, page, 0..1)
+}
+
+/// Table 4.
+pub fn table4(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    tables(bench, page, 1..2)
+}
+
+/// Table 5, and figure 5.
+pub fn table5(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    tables(bench, page, 2..3)
+}
+
+/// Whether our form factors are as good as the published ones.
+fn aim(name: &str, points: &[Point], page: &mut Page) {
+    let most = |of: &dyn Fn(&Point) -> f64| points.iter().map(|p| of(p).abs()).fold(0.0, f64::max);
+    let (paper, ours) = (most(&|p| p.error(p.paper.value)), most(&|p| p.error(p.ours[1].1)));
+    let aim = format!("{name}: largest error at most that of the published method");
+    let found = format!("ours at {:e}: {ours:.1e}, published: {paper:.1e}", TOLERANCES[1]);
+    page.find(Tone::of(ours <= paper), &aim, &found);
 }
 
 /// A line of the green channel.
@@ -73,14 +114,14 @@ fn marble(fourth: &[Point], page: &mut Page) -> Result<()> {
     all_points(page, "figure-4", "base_mm", fourth)
 }
 
-fn tables(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
-    page.head("Tables 3, 4 and 5");
+fn tables(bench: &Bench<'_>, page: &mut Page, which: Range<usize>) -> Result<()> {
     page.say(
         "The published scheme on this device; the paper's columns first. Its models are not available, so built-in shapes \
          replace them. Compare growth and ratios, not milliseconds of 2003.",
     );
-    let models = Models { device: bench.device, meshes: &[], samples: 100, most_faces: bench.either(2_100, 17_000) };
-    for (_, measure) in TABLES.iter().take(bench.either(1, TABLES.len())) {
+    let models =
+        Models { device: bench.device, meshes: bench.meshes, samples: 100, most_faces: bench.either(2_100, 17_000) };
+    for (_, measure) in &TABLES[which] {
         // Rows take minutes: each is kept at once.
         let found = measure(&models, &mut |so_far| {
             bench.keep(&format!("{}.csv", so_far.name), so_far.table.csv()?.as_bytes())
@@ -90,11 +131,6 @@ fn tables(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             page.table(&beside.name, &beside.table)?;
             beside.after.iter().for_each(|words| page.say(words));
         }
-    }
-    if bench.quick {
-        page.say(
-            "Tables 4 and 5 and the larger models of table 3 are in the full report, and in `cargo bench -- tables`.",
-        );
     }
     Ok(())
 }

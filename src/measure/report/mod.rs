@@ -7,6 +7,7 @@ mod accuracy;
 mod checks;
 mod compile;
 mod francois;
+mod history;
 mod html;
 mod kubo;
 mod mertens;
@@ -27,6 +28,7 @@ pub use whole::{Written, whole};
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::measure::folder::REPORT;
+use crate::measure::profile::history::Entry;
 use crate::measure::table::Table;
 use crate::scene::Scene;
 
@@ -43,6 +45,10 @@ pub struct Bench<'a> {
     pub device: Option<&'a Device>,
     /// Small scenes and few settings; takes minutes.
     pub quick: bool,
+    /// Mesh files that tables of Mertens et al. are measured for, too.
+    pub meshes: &'a [String],
+    /// Runs of `profile --history`.
+    pub history: Option<&'a [Entry]>,
     /// Has compilers of other GPUs compile the kernels of a scene, where the caller can.
     pub compilers: Option<&'a Compilers<'a>>,
     /// Keeps a file, by its name, as soon as it is there: what was measured stays if the run is stopped.
@@ -76,6 +82,7 @@ pub static SECTIONS: &[Section] = &[
     Section { name: "devices", title: "Devices", write: setting::devices },
     Section { name: "plan", title: "Plan: what each scene needs", write: setting::plans },
     Section { name: "profile", title: "Profile: time and work of each stage", write: speed::profile },
+    Section { name: "history", title: "History: times of stages over many runs", write: history::history },
     Section { name: "compile", title: "What compilers of other GPUs make of the kernels", write: compile::compile },
     Section { name: "vary", title: "Varying the API: what other choices of Vulkan cost", write: vary::vary },
     Section {
@@ -92,6 +99,18 @@ pub static SECTIONS: &[Section] = &[
     Section { name: "accuracy", title: "Numerical error beside the error of the model", write: accuracy::accuracy },
     Section { name: "truth", title: "How true: every method against a random walk", write: truth::truth },
     Section { name: "pictures", title: "Built-in scenes", write: pictures::scenes },
+];
+
+/// Tables and figures that are parts of sections, each by its own name, for `--only`.
+pub static PARTS: &[Section] = &[
+    Section { name: "mertens/figure3", title: "Mertens et al. 2003, figure 3", write: mertens::figure3 },
+    Section { name: "mertens/figure4", title: "Mertens et al. 2003, figure 4", write: mertens::figure4 },
+    Section { name: "mertens/table3", title: "Mertens et al. 2003, table 3", write: mertens::table3 },
+    Section { name: "mertens/table4", title: "Mertens et al. 2003, table 4", write: mertens::table4 },
+    Section { name: "mertens/table5", title: "Mertens et al. 2003, table 5 and figure 5", write: mertens::table5 },
+    Section { name: "kubo/table1", title: "Kubo et al. 2010, table 1", write: kubo::table },
+    Section { name: "layers/table2", title: "Francois et al. 2006, table 2", write: francois::table2 },
+    Section { name: "layers/figure14", title: "Francois et al. 2006, figure 14", write: francois::pictures },
 ];
 
 /// A finished report.
@@ -161,7 +180,7 @@ mod tests {
             kept.borrow_mut().push((name.to_string(), String::from_utf8_lossy(bytes).into_owned()));
             Ok(())
         };
-        let bench = Bench { device: None, quick: true, keep: Some(&keep), compilers: None };
+        let bench = Bench { device: None, quick: true, keep: Some(&keep), meshes: &[], history: None, compilers: None };
         let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string())).unwrap();
         assert_eq!((told, made.faults), (vec!["bad".into(), "good".into()], vec!["bad: it broke".to_string()]));
         for words in [
@@ -208,7 +227,7 @@ mod tests {
         let nothing = |_: &Bench<'_>, _: &mut Page| Ok(());
         let write: [fn(&Bench<'_>, &mut Page) -> Result<()>; 4] = [missed, met, checked, nothing];
         let sections = [0, 1, 2, 3].map(|k| Section { name: "s", title: "S", write: write[k] });
-        let bench = Bench { device: None, quick: true, keep: None, compilers: None };
+        let bench = Bench { device: None, quick: true, keep: None, meshes: &[], history: None, compilers: None };
         let page = |chosen: &[usize]| {
             let chosen: Vec<&Section> = chosen.iter().map(|&k| &sections[k]).collect();
             report(&bench, &chosen, &mut |_| ()).unwrap().page

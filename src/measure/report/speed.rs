@@ -108,6 +108,9 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         }
         found.notes.iter().for_each(|note| page.say(note));
         page.small_table(&profiled(&found));
+        if let Some(drawing) = stages::roofline(&found)? {
+            page.plot(&drawing, false);
+        }
         page.file(&format!("profile-{name}.csv"), found.csv()?.into_bytes());
     }
     Ok(())

@@ -64,6 +64,13 @@ impl Samples {
         })
     }
 
+    /// The medians of the first variant: of each stage, of `stages` and of `frame`.
+    #[must_use]
+    pub fn medians(&self) -> Vec<(&str, Interval)> {
+        let Some(first) = self.variants.first() else { return Vec::new() };
+        first.names().filter_map(|what| Some((what, self.median(first, what)?))).collect()
+    }
+
     /// The names that only one of two series has.
     #[must_use]
     pub fn unshared(first: &Series, other: &Series) -> Vec<String> {

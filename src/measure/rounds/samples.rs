@@ -128,6 +128,12 @@ impl Samples {
         found
     }
 
+    /// Whether there is no variant.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.variants.is_empty()
+    }
+
     /// Number of rounds that count.
     #[must_use]
     pub fn rounds(&self) -> usize {
