@@ -1,5 +1,6 @@
-// Rays to the environment from a surface that reflects it, drawn from the lobe in which it mirrors the eye, or from where
-// the environment is bright: other ones in each pixel and sample. Additions, multiplications and comparisons only: the same bits on every device.
+// Rays to the environment from a surface that reflects it, drawn from the lobe in which it mirrors the eye, or from
+// where the environment is bright: other ones in each pixel and sample. Additions, multiplications and comparisons
+// only: the same bits on every device.
 
 // A point of the surface, as the eye sees it.
 struct Seen {
@@ -22,20 +23,21 @@ Seen seen_at(Hit hit, uint face) {
     return Seen(place, outside ? normal : -normal, unit_of(toward), plane, outside);
 }
 
-// Whether this ray is to be traced. Where the interpolated normal sends it below the triangle, and on a side that is seen
-// from inside, it counts as free.
+// Whether this ray is to be traced. Where the interpolated normal sends it below the triangle, and on a side that is
+// seen from inside, it counts as free.
 bool traced(Seen seen, Light light) {
     return seen.outside && dot3(light.place, seen.plane) > 0.0;
 }
 
-// alpha^2 - 1 of the microfacets whose distribution is nearest to Phong's lobe of this exponent: alpha^2 = 4 / (m + 3).
+// alpha^2 - 1 of the microfacets whose distribution is nearest to Phong's lobe of this exponent m, where alpha^2 is
+// 4 / (m + 3).
 float narrowing(float exponent) {
     precise float least = 4.0 * inverse_of(exponent + 3.0) - 1.0;
     return least;
 }
 
-// A microfacet as the eye sees it, from a point of the unit square: by spherical caps (Dupuy and Benyoub 2023). `local` is
-// the direction to the eye, in the frame of the normal.
+// A microfacet as the eye sees it, from a point of the unit square: by spherical caps (Dupuy and Benyoub 2023). `local`
+// is the direction to the eye, in the frame of the normal.
 vec3 facet_seen(vec2 square, vec3 local, float alpha) {
     precise vec3 bent = vec3(alpha * local.x, alpha * local.y, local.z);
     vec3 stretched = unit_of(bent);
@@ -54,8 +56,8 @@ vec2 folded(vec2 place) {
     return vec2(place.x < 0.0 ? -across.x : across.x, place.y < 0.0 ? -across.y : across.y);
 }
 
-// The cell of the octahedral map in which a direction lies: x and y of the octahedron |x| + |y| + |z| = 1, its lower half
-// folded outwards.
+// The cell of the octahedral map in which a direction lies: x and y of the octahedron |x| + |y| + |z| = 1, its lower
+// half folded outwards.
 uint cell_of(vec3 way) {
     precise float sum = abs(way.x) + abs(way.y) + abs(way.z);
     float by = inverse_of(sum);

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Whether one light reaches the points that some pixels show, or the environment along one ray of their reflections: a bit
-// of `pixel_lit`. Decisions only.
+// Whether one light reaches the points that some pixels show, or the environment along one ray of their reflections: a
+// bit of `pixel_lit`. Decisions only.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint OTHERS = 0; // not 0 where a translucent object does not shadow itself
 layout(constant_id = 2) const uint MIRROR = 0; // not 0 for a ray of reflections

@@ -1,5 +1,5 @@
-//! The scene's lights as pixels see them: where opaque objects are lit pixel by pixel, or objects reflect lights; and the
-//! rays along which the environment is reflected.
+//! The scene's lights as pixels see them: where opaque objects are lit pixel by pixel, or objects reflect lights; and
+//! the rays along which the environment is reflected.
 //!
 //! A light's points, or an environment's rays, are spread over the samples of a picture: each sample of a pixel takes
 //! its share of them, at places of its own, and their mean is that of all.
@@ -13,8 +13,8 @@ use crate::state::{Local, Object, State, narrow};
 /// Fewest rays to an environment in one sample: what is hidden of it is a ratio of two of their sums.
 const FEWEST_RAYS: usize = 4;
 
-/// Most rays of a pixel's reflection of the environment in one sample, where they are traced and where nothing hides the
-/// environment. A picture of many samples takes a quarter of them in each.
+/// Most rays of a pixel's reflection of the environment in one sample, where they are traced and where nothing hides
+/// the environment. A picture of many samples takes a quarter of them in each.
 const MOST_MIRROR_RAYS: [usize; 2] = [8, 32];
 
 /// The rays along which an environment is reflected, for one sample of so many; half of them go where it is bright, if

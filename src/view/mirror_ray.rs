@@ -1,11 +1,11 @@
-//! Rays to the environment from a surface that reflects it, drawn from the lobe in which it mirrors the eye, in step with
-//! `glsl/view/mirror_ray.glsl`.
+//! Rays to the environment from a surface that reflects it, drawn from the lobe in which it mirrors the eye, in step
+//! with `glsl/view/mirror_ray.glsl`.
 //!
-//! GGX: microfacets as the eye sees them, by spherical caps (Dupuy and Benyoub 2023). Phong: about the mirror direction,
-//! by the distribution of microfacets that is nearest to the lobe, [`narrowing`]. Where the environment is uneven, half
-//! of the rays go where it is bright, by cells of an octahedral map. Numbers are those of [`square_point`]: other
-//! ones in each pixel and sample. All arithmetic is in `f32`, with the same bits on every device, since rays decide what
-//! is hidden.
+//! GGX: microfacets as the eye sees them, by spherical caps (Dupuy and Benyoub 2023). Phong: about the mirror
+//! direction, by the distribution of microfacets that is nearest to the lobe. Where the environment is uneven, half of
+//! the rays go where it is bright, by cells of an octahedral map. Numbers are those of [`square_point`]: other ones in
+//! each pixel and sample. All arithmetic is in `f32`, with the same bits on every device, since rays decide what is
+//! hidden.
 
 use super::pixel_receivers::place;
 use crate::geometry::deform::turn;
@@ -46,20 +46,21 @@ impl Seen {
         Self { place: point, normal, eye: unit(toward), plane, outside }
     }
 
-    /// Whether this ray is to be traced. Where the interpolated normal sends it below the triangle, and on a side that is
-    /// seen from inside, it counts as free.
+    /// Whether this ray is to be traced. Where the interpolated normal sends it below the triangle, and on a side that
+    /// is seen from inside, it counts as free.
     pub fn traced(&self, ray: &Light) -> bool {
         self.outside && dot(ray.place, self.plane) > 0.0
     }
 }
 
-/// alpha^2 - 1 of the microfacets whose distribution is nearest to Phong's lobe of this exponent: alpha^2 = 4 / (m + 3).
+/// alpha^2 - 1 of the microfacets whose distribution is nearest to Phong's lobe of this exponent m, where alpha^2 is
+/// 4 / (m + 3).
 fn narrowing(exponent: f32) -> f32 {
     4.0 * inverse(exponent + 3.0) - 1.0
 }
 
-/// The cell of the octahedral map in which a direction lies: x and y of the octahedron |x| + |y| + |z| = 1, its lower half
-/// folded outwards.
+/// The cell of the octahedral map in which a direction lies: x and y of the octahedron |x| + |y| + |z| = 1, its lower
+/// half folded outwards.
 #[must_use]
 pub fn cell_of(way: [f32; 3]) -> u32 {
     let [x, y, z] = way;
@@ -126,8 +127,8 @@ pub(super) fn drawn([u, v]: [f32; 2], normal: [f32; 3], eye: [f32; 3], params: &
     }
 }
 
-/// A microfacet as the eye sees it, from a point of the unit square; `local` is the direction to the eye, in the frame of
-/// the normal.
+/// A microfacet as the eye sees it, from a point of the unit square; `local` is the direction to the eye, in the frame
+/// of the normal.
 fn facet_seen([u, v]: [f32; 2], local: [f32; 3], alpha: f32) -> [f32; 3] {
     let stretched = unit([alpha * local[0], alpha * local[1], local[2]]);
     let rise = (1.0 - u) * (1.0 + stretched[2]);

@@ -1,10 +1,10 @@
 //! Stage `reflect`: reflection of lights and environment at the surface, times the Fresnel reflectance of the
 //! material's boundary, 1 - F_t.
 //!
-//! GGX: D G F / (4 (n.v) (n.l)), F at the facet. Phong: (m + 2) / (2 pi) cos^m F, F at the normal, cos from the
-//! mirror direction. The environment is a sum over rays that each pixel and sample draws anew ([`mirror_ray`]):
-//! by the facets that the eye sees or about the mirror direction, and where the environment is bright; each is divided
-//! by the density of all. The interpolated vertex normal is used, on the visible side of the triangle; where it faces away at a
+//! GGX: D G F / (4 (n.v) (n.l)), F at the facet. Phong: (m + 2) / (2 pi) cos^m F, F at the normal, cos from the mirror
+//! direction. The environment is a sum over rays that each pixel and sample draws anew ([`mirror_ray`]): by the facets
+//! that the eye sees or about the mirror direction, and where the environment is bright; each is divided by the density
+//! of all. The interpolated vertex normal is used, on the visible side of the triangle; where it faces away at a
 //! silhouette, n.v counts as |n.v|.
 
 use std::f64::consts::{PI, TAU};
@@ -45,8 +45,8 @@ fn masking(alpha: f64, seen: f64, lights: f64) -> f64 {
     0.5 / (lights * slope(seen) + seen * slope(lights)).max(1e-30)
 }
 
-/// The lobe times the cosine to the normal, without Fresnel's factor, in a direction, and the density of rays there that are
-/// drawn from the lobe: by facets as the eye sees them, or by those that stand for Phong's lobe.
+/// The lobe times the cosine to the normal, without Fresnel's factor, in a direction, and the density of rays there
+/// that are drawn from the lobe: by facets as the eye sees them, or by those that stand for Phong's lobe.
 fn drawn_lobe(params: &ObjectParams, [normal, eye]: [DVec3; 2], direction: DVec3) -> [f64; 2] {
     let (shape, along) = (f64::from(params.roughness), normal.dot(eye));
     let (seen, cosine) = (along.abs(), normal.dot(direction).max(0.0));
@@ -117,7 +117,8 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     sum + mirrored(state, pixel, hit, &reflectance)
 }
 
-/// The environment's reflection: each ray divided by the density of all of them in its direction (Veach and Guibas 1995).
+/// The environment's reflection: each ray divided by the density of all of them in its direction (Veach and Guibas
+/// 1995).
 fn mirrored(state: &State, pixel: usize, hit: &Hit, reflectance: &dyn Fn(f64) -> DVec3) -> DVec3 {
     let (data, camera) = (&state.data, &state.data.camera[0]);
     let params = &data.object_params[state.object_of(hit.face as usize)];

@@ -68,7 +68,7 @@ fn a_mirror_in_a_white_sky_reflects_its_fresnel_share() {
                 let found = f64::from(pixels[pixel][0] - bare[pixel][0]);
                 // A pixel draws few rays, some of them from the lobe's tail.
                 off.push(found / expected - 1.0);
-                assert!(off[off.len() - 1].abs() < 0.01 + 5.0 * slack, "{cosine}: {found} {expected}");
+                assert!(off[off.len() - 1].abs() < 0.01 + 10.0 * slack, "{cosine}: {found} {expected}");
             }
         }
         let mean = off.iter().sum::<f64>() / off.len() as f64;

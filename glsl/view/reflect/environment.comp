@@ -4,8 +4,8 @@
 #include "invocation.glsl"
 #include "lighting/fresnel.glsl"
 
-// The environment's reflection: a sum of its image along rays, each divided by the density of all in its direction (Veach
-// and Guibas 1995).
+// The environment's reflection: a sum of its image along rays, each divided by the density of all in its direction
+// (Veach and Guibas 1995).
 layout(constant_id = 0) const uint SHADOWS = 0;
 layout(constant_id = 1) const uint GGX = 0;
 layout(constant_id = 2) const uint COUNT = 1;  // rays drawn from the lobe
