@@ -88,7 +88,7 @@ impl Device {
     }
 
     /// The same device, with this SPIR-V in place of a kernel of the build, and able to run it: see `able`.
-    /// Nothing else is checked: see [`super::replacement`].
+    /// Nothing else is checked: see [`super::replacements`].
     pub fn replacing(&self, kernel: &str, words: Vec<u32>) -> Result<Self> {
         let able = self.able(kernel, &words)?;
         Ok(Self { kernels: Rc::new(able.kernels.replacing(kernel, words)), ..able })
