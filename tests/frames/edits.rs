@@ -62,7 +62,8 @@ const KNOBS: &[&[&[&str]]] = &[
     &[&["camera.size=[14, 12]"], &["camera.size=[23, 9]"]],
     &[&["camera.background=0"], &["camera.background=[0.1, 0.2, 0.3]"]],
     &[&[], &["camera.exposure=2"], &["camera.tone='filmic'"]],
-    &[&[], &["camera.samples=3"]],
+    // Other numbers of soft light's points, and of a reflection's rays.
+    &[&[], &["camera.samples=3"], &["camera.samples=9"]],
     &[&[], &["object.0.rotation=[0, 40, 0]"], &["object.0.rotation=[15, 41, 3]"], &["object.0.position=[1, 2, 0]"]],
 ];
 

@@ -43,8 +43,8 @@ impl Surface {
             unsafe { ash_window::create_surface(&instance.entry, &instance.raw, display, handle, None) }
         })?;
         let functions = khr::surface::Instance::new(&instance.entry, &instance.raw);
+        // Without a name: Mesa 22.3 takes what belongs to the window system for objects of its own, and crashes.
         let surface = Self { raw, functions, device: device.clone() };
-        device.label(raw, "window");
         let (adapter, doing) = (device.adapter(), "asking whether the device can show pictures in this window");
         let shows = vk_call("vkGetPhysicalDeviceSurfaceSupportKHR", doing, || {
             let (physical, family) = (adapter.physical, adapter.queue_family);
@@ -174,14 +174,12 @@ impl Swapchain {
             mode: if mode == vk::PresentModeKHR::MAILBOX { PresentMode::Mailbox } else { PresentMode::Fifo },
             device: device.clone(),
         };
-        device.label(raw, "window");
         swapchain.images = vk_call("vkGetSwapchainImagesKHR", SHOWING, || {
             // SAFETY: the swapchain is alive.
             unsafe { swapchain.functions.get_swapchain_images(raw) }
         })?;
         swapchain.acquired = semaphore(device, "image acquired")?;
-        for image in &swapchain.images {
-            device.label(*image, "window");
+        for _ in &swapchain.images {
             swapchain.drawn.push(semaphore(device, "image drawn")?);
         }
         Ok(Some(swapchain))
