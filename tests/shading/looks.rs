@@ -1,14 +1,14 @@
 //! The look of pictures: light that leaves, reflections, backgrounds, tone; and what is refused.
 
 use glam::DVec3;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use crate::shell::{bad, bytes, folder, good, read};
 use milkglass::internals::lighting::fresnel::transmittance;
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::session::antialiasing::picture;
 use milkglass::internals::session::run::Session;
-use milkglass::scene::Scene;
+use milkglass::scene::{Scene, Sky, Source};
 
 /// A session of a small ball with these settings after one frame on the CPU.
 fn session(sets: &[&str]) -> Session {
@@ -123,6 +123,42 @@ fn a_reflection_shows_what_hides_the_environment() {
     }
     assert!(lit > 5 * dark && dark > 10, "{lit} {dark}");
     assert!(dark.abs_diff(expected) <= 2 + expected / 5, "{dark} {expected}");
+}
+
+/// One bright pixel of an image is reflected as a sun that is as strong, by other formulas: one is a sum over rays, most
+/// of which have to go to that pixel.
+#[test]
+fn a_bright_pixel_is_reflected_as_a_sun() {
+    let (width, height, column, row) = (256, 128, 180, 45);
+    let (turn, polar) = (TAU * (column as f64 + 0.5) / 256.0 - PI, PI * (row as f64 + 0.5) / 128.0);
+    let toward = DVec3::new(polar.sin() * turn.sin(), polar.cos(), -polar.sin() * turn.cos());
+    // 4000 times the solid angle of the pixel.
+    let irradiance = 4000.0 * TAU / 256.0 * PI / 128.0 * polar.sin();
+    for shape in ["'ggx', roughness = 0.5", "'phong', shininess = 9"] {
+        let pictured = |light: &str, sky: Option<Sky>| {
+            let black = format!("object.0.material={{ opaque = true, albedo = 0, reflection = {shape} }}");
+            let sets = ["object.0.detail=3", "camera.size=[32, 32]", "camera.samples=16", light, &black];
+            let mut scene = Scene::load_with("sphere", &sets.map(String::from)).unwrap();
+            if let (Source::Environment { sky, .. }, Some(uneven)) = (&mut scene.lights[0].source, sky) {
+                *sky = uneven;
+            }
+            picture(&mut Session::new(&scene, None, Options::default()).unwrap()).unwrap().pixels
+        };
+        let mut pixels = vec![[0.0; 3]; width * height];
+        pixels[row * width + column] = [4000.0; 3];
+        let [x, y, z] = toward.to_array();
+        let sun = format!(
+            "light.0={{ type = 'directional', direction = [{x}, {y}, {z}], irradiance = {irradiance}, shadows = false }}"
+        );
+        let sun = pictured(&sun, None);
+        let spot = pictured(WHITE, Some(Sky::new([256, 128], pixels)));
+        let sum = |values: &dyn Fn(usize) -> f64| (0..sun.len()).map(values).sum::<f64>();
+        let (all, found) = (sum(&|k| f64::from(sun[k][1])), sum(&|k| f64::from(spot[k][1])));
+        assert!((found / all - 1.0).abs() < 0.02, "{shape}: {found} {all}");
+        let square = sum(&|k| f64::from(sun[k][1]).powi(2));
+        let off = (sum(&|k| f64::from(spot[k][1] - sun[k][1]).powi(2)) / square).sqrt();
+        assert!(off < 0.3, "{shape}: {off}");
+    }
 }
 
 #[test]
