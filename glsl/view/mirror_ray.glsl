@@ -4,7 +4,6 @@
 
 // A point of the surface, as the eye sees it.
 struct Seen {
-    vec3 place;
     vec3 normal; // the unit interpolated normal, on the side of the triangle that is seen
     vec3 eye;    // the unit direction to the eye
     vec3 plane;  // the triangle's normal; its length is twice the area
@@ -20,7 +19,7 @@ Seen seen_at(Hit hit, uint face) {
     vec3 plane = plane_of(placed_positions[corner.x], placed_positions[corner.y], placed_positions[corner.z]).normal;
     bool outside = dot3(toward, plane) >= 0.0;
     vec3 normal = unit_of(blended);
-    return Seen(place, outside ? normal : -normal, unit_of(toward), plane, outside);
+    return Seen(outside ? normal : -normal, unit_of(toward), plane, outside);
 }
 
 // Whether this ray is to be traced. Where the interpolated normal sends it below the triangle, and on a side that is

@@ -21,8 +21,6 @@ use crate::state::wide;
 
 /// A point of the surface, as the eye sees it.
 pub struct Seen {
-    /// The point.
-    pub place: [f32; 3],
     /// The unit interpolated normal, on the side of the triangle that is seen.
     pub normal: [f32; 3],
     /// The unit direction to the eye.
@@ -43,7 +41,7 @@ impl Seen {
         let outside = dot(toward, plane) >= 0.0;
         let normal = unit(place(hit, corners.map(|v| data.normals_in_scene()[v as usize])));
         let normal = if outside { normal } else { normal.map(|x| -x) };
-        Self { place: point, normal, eye: unit(toward), plane, outside }
+        Self { normal, eye: unit(toward), plane, outside }
     }
 
     /// Whether this ray is to be traced. Where the interpolated normal sends it below the triangle, and on a side that

@@ -125,7 +125,7 @@ fn a_reflection_shows_what_hides_the_environment() {
     assert!(dark.abs_diff(expected) <= 2 + expected / 5, "{dark} {expected}");
 }
 
-/// One bright pixel of an image is reflected as a sun that is as strong, by other formulas: one is a sum over rays, most
+/// One bright pixel of an image is reflected as a sun that is as strong, by other formulas: it is a sum over rays, most
 /// of which have to go to that pixel.
 #[test]
 fn a_bright_pixel_is_reflected_as_a_sun() {
