@@ -1,5 +1,7 @@
 //! The scene's lights as the records, rays and tables that the stages of module `lighting` read.
 
+use std::mem::take;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -10,7 +12,7 @@ use super::sky_cells::sky_cells;
 use super::units::Units;
 use crate::layout::{
     LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SKY_RAY, LIGHT_SPOT, Light as Record,
-    REFLECTION_NONE, SkyColumn, SkyRow,
+    REFLECTION_NONE, SkyCell, SkyColumn, SkyRow,
 };
 use crate::lighting::sky::fibonacci_direction;
 use crate::scene::{Light, Object, Sky, Source};
@@ -40,12 +42,13 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
         params.shadow_words = bits.div_ceil(32);
         params.sky = [0; 2];
     }
-    (state.data.sky, state.data.sky_rows, state.data.sky_columns, state.data.sky_cells) = Default::default();
+    let mut before = Some(Before::of(state));
     for light in lights {
         if let Source::Environment { sky, .. } = &light.source
             && sky.brightest() != [0.0; 3]
+            && let Some(before) = before.take()
         {
-            tables(state, sky, units.light);
+            tables(state, sky, units.light, before);
         }
     }
     beams(state, lights, units.light);
@@ -152,8 +155,25 @@ pub fn record_of(light: &Light, units: Units, samples: usize) -> Record {
     }
 }
 
+/// The environment's image and its map as they were, since the map takes long to make.
+struct Before {
+    sky: Vec<[f32; 3]>,
+    turn: f32,
+    cells: Vec<SkyCell>,
+}
+
+impl Before {
+    /// Takes both from the state, which has no environment then.
+    fn of(state: &mut State) -> Self {
+        let data = &mut state.data;
+        (data.sky_rows, data.sky_columns) = Default::default();
+        let turn = data.object_params.first().map_or(0.0, |params| params.sky_turn);
+        Self { sky: take(&mut data.sky), turn, cells: take(&mut data.sky_cells) }
+    }
+}
+
 /// An environment's image, and the integrals over its rows and columns whose products are the harmonics.
-fn tables(state: &mut State, sky: &Sky, unit: f64) {
+fn tables(state: &mut State, sky: &Sky, unit: f64, before: Before) {
     let data = &mut state.data;
     for params in &mut data.object_params {
         params.sky = sky.size;
@@ -190,7 +210,8 @@ fn tables(state: &mut State, sky: &Sky, unit: f64) {
     data.sky_rows = (0..sky.size[1]).map(row).collect();
     data.sky_columns = (0..sky.size[0]).map(column).collect();
     if data.object_params.iter().any(|params| params.reflection != REFLECTION_NONE) {
-        data.sky_cells = sky_cells(data);
+        let same = !before.cells.is_empty() && before.turn == data.object_params[0].sky_turn && before.sky == data.sky;
+        data.sky_cells = if same { before.cells } else { sky_cells(data) };
     }
 }
 

@@ -7,10 +7,10 @@ use rayon::prelude::*;
 
 use crate::layout::{Buffers, SKY_CELLS, SkyCell};
 use crate::lighting::sky::radiance;
-use crate::state::narrow;
+use crate::state::{narrow, wide};
 use crate::view::mirror_ray::cell_of;
 
-/// An environment is nearly even where the mean square of the cells' light is below this many squares of its mean.
+/// An environment is nearly even where the mean of its squares is below this many squares of its mean.
 const NEARLY_EVEN: f64 = 4.0;
 
 /// Draws of a cell, of which it keeps some.
@@ -44,12 +44,23 @@ fn light(data: &Buffers) -> Vec<f64> {
     (0..side * side).map(around).collect()
 }
 
-/// The table; empty where the environment is nearly even.
+/// The table, once image and rows are written; empty where the environment is nearly even.
 pub fn sky_cells(data: &Buffers) -> Vec<SkyCell> {
+    let width = data.sky_columns.len();
+    let (mut area, mut mean, mut square) = (0.0, 0.0, 0.0);
+    for (row, pixels) in data.sky_rows.iter().zip(data.sky.chunks(width)) {
+        let each = f64::from(row.first[0]);
+        area += each * width as f64;
+        for light in pixels.iter().map(|pixel| wide(*pixel).element_sum()) {
+            mean += each * light;
+            square += each * light * light;
+        }
+    }
+    if square * area <= NEARLY_EVEN * mean * mean {
+        return Vec::new();
+    }
     let light = light(data);
-    let (count, sum) = (light.len() as f64, light.iter().sum::<f64>());
-    let square = light.iter().map(|x| x * x).sum::<f64>();
-    if square * count <= NEARLY_EVEN * sum * sum { Vec::new() } else { table(&light, sum) }
+    table(&light, light.iter().sum())
 }
 
 /// The table for cells of these weights.
