@@ -86,7 +86,7 @@ fn run() -> Result<()> {
     }
     let device = if cpu { None } else { Device::best()? };
     println!("{}", device.as_ref().map_or("the CPU".into(), |d| format!("{}, {}", d.name(), d.driver())));
-    let bench = Bench { device: device.as_ref(), quick, keep: None, meshes: &[], history: None, compilers: None };
+    let bench = Bench { device: device.as_ref(), quick, ..Bench::default() };
     for name in &asked.names {
         let mut page = Page::default();
         match (BENCHES.iter().find(|bench| bench.0 == name), SECTIONS.iter().find(|part| part.name == name)) {

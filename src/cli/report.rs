@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::profile::timed_again;
 use super::{DeviceArgument, compile, print, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::measure::folder::{Folder, REPORT};
 use milkglass::measure::profile::history::read;
-use milkglass::measure::report::{Bench, PARTS, SECTIONS, Section, report};
+use milkglass::measure::report::{Bench, Day, PARTS, SECTIONS, Section, report};
 
 /// Arguments of `report`.
 #[derive(Args)]
@@ -34,6 +35,10 @@ pub struct Arguments {
     /// Also draw the runs that `profile --history` wrote to this file, in section `history`.
     #[arg(long, value_name = "FILE")]
     history: Option<PathBuf>,
+    /// Also show what `bench/device-day` found on another device, whose folder this is, beside the same on this one, in
+    /// section `day`; without `--only` this is the only section.
+    #[arg(long, value_name = "DAY")]
+    from: Option<PathBuf>,
 }
 
 /// Measures and writes the page; fails if a section does.
@@ -44,13 +49,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             return Err(Input::new("no such section").key("--only").found(name).expected(names.join(", ")).into());
         }
     }
-    let drawn = |name: &str| name != "history" || arguments.history.is_some();
-    if let Some(name) = arguments.only.iter().find(|name| !drawn(name)) {
-        let fault = Input::new("there are no runs to draw").key("--only").found(name);
-        return Err(fault.expected("--history FILE").into());
+    let lacks = |name: &str| match name {
+        "history" if arguments.history.is_none() => Some("--history FILE"),
+        "day" if arguments.from.is_none() => Some("--from DAY"),
+        _ => None,
+    };
+    let drawn = |name: &str| lacks(name).is_none();
+    if let Some((name, lack)) = arguments.only.iter().find_map(|name| Some((name, lacks(name)?))) {
+        let fault = Input::new("this section shows what a file has").key("--only").found(name);
+        return Err(fault.expected(lack).into());
     }
-    let asked = |section: &&Section| arguments.only.iter().any(|name| name == section.name);
-    let sections: Vec<&Section> = match arguments.only.is_empty() {
+    let day = arguments.from.as_deref().map(Day::read).transpose()?;
+    let alone = arguments.only.is_empty() && day.is_some();
+    let asked =
+        |section: &&Section| arguments.only.iter().any(|name| name == section.name) || (alone && section.name == "day");
+    let sections: Vec<&Section> = match arguments.only.is_empty() && !alone {
         true => SECTIONS.iter().filter(|section| drawn(section.name)).collect(),
         false => SECTIONS.iter().chain(PARTS).filter(asked).collect(),
     };
@@ -69,6 +82,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         keep: Some(&keep),
         meshes: &arguments.meshes,
         history: history.as_deref(),
+        day: day.as_ref(),
+        timed: Some(&timed_again),
         compilers: Some(&compile::tables),
     };
     let mut number = 0;

@@ -121,8 +121,8 @@ choice!(
 
 choice!(
     Submissions, submissions, "submissions", "how a frame is submitted":
-    Reused = "reused" "one submission, recorded once for frames that are alike",
-    Frame = "frame" "one submission, recorded anew",
+    Reused = "reused" "as few submissions as can be, recorded once for frames that are alike",
+    Frame = "frame" "as few submissions as can be, recorded anew",
     Step = "step" "recorded anew, one submission a step",
     Secondary = "secondary" "a secondary command buffer a step",
 );

@@ -8,7 +8,7 @@ use ash::vk;
 use super::call::vk_call;
 use super::choices::{Queues, Submissions};
 use super::faults::{Told, drops, tell};
-use super::list::{Entry, Groups, Listed, Place};
+use super::list::{Entry, Groups, Listed, Place, Timing};
 use super::logical_device::LogicalDevice;
 use super::order::{Wait, waits};
 use super::sets::Sets;
@@ -77,6 +77,11 @@ impl Encoded {
         let done = encoded.record(&list);
         encoded.list = list;
         done.map(|()| encoded)
+    }
+
+    /// Notes these times of its parts.
+    pub(super) fn tell(&self, paces: &Paces, times: &[Timing]) {
+        paces.note(&self.list, times);
     }
 
     /// Whether these times of its steps ask for the submissions that it has.

@@ -23,7 +23,7 @@ use crate::error::{Error, Result};
 use crate::layout::{GROUPS_A_ROW, LOCKSTEP_ID};
 use crate::phases::phase;
 
-use shape::Shape;
+pub(super) use shape::Shape;
 pub use shape::set_by_device;
 pub(super) use subgroups::words_for;
 
@@ -215,9 +215,9 @@ impl Kernel {
             if self.shuffles && device.grants_full_subgroups(self.across) {
                 stage = stage.flags(vk::PipelineShaderStageCreateFlags::REQUIRE_FULL_SUBGROUPS);
             }
-            // Groups that take more subgroups of that size than a group can have do without; they do not shuffle.
+            // Groups that take more subgroups of that size than a group can have do without, unless they shuffle.
             let most = device.adapter().offers.most_subgroups;
-            let fits = |size: &u32| self.group <= size.saturating_mul(most);
+            let fits = |size: &u32| self.shuffles || self.group <= size.saturating_mul(most);
             if let Some(subgroup) = device.subgroup(self.shuffles).filter(fits) {
                 size = size.required_subgroup_size(subgroup);
                 stage = stage.push_next(&mut size);

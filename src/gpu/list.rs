@@ -63,7 +63,7 @@ impl PartialEq for Listed {
 }
 
 /// Which part of the work it is that a part of a frame does, for labels: words with numbers, `object 0, batch 2`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place(pub [Option<(&'static str, usize)>; 3]);
 
 impl Display for Place {

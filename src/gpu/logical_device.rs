@@ -69,6 +69,8 @@ struct Inner {
     late: Cell<vk::Fence>,
     /// How much longer to wait for that submission; what it uses is leaked if it takes longer still.
     grace: Cell<Duration>,
+    /// Whether the next use of the device waits for that submission as long as one may take: the first one does.
+    waits_for_late: Cell<bool>,
     /// Whether it has reported work as done that it did not execute: nothing of it is destroyed any more.
     given_up: Cell<bool>,
     /// What submissions have used and others will use again.
@@ -106,6 +108,7 @@ impl LogicalDevice {
             submissions: Cell::default(),
             late: Cell::default(),
             grace: Cell::new(GRACE),
+            waits_for_late: Cell::new(true),
             given_up: Cell::default(),
             spares: RefCell::default(),
             instance: instance.clone(),
@@ -159,6 +162,7 @@ impl LogicalDevice {
     /// Sets how long a submission may take before the device counts as hung; the default is ten minutes.
     pub fn wait_at_most(&self, patience: Duration) {
         self.0.patience.set(patience);
+        self.0.waits_for_late.set(true);
     }
 
     /// Sets how long a submission should take: a frame is cut into several, as its steps' last times say, where the

@@ -1,6 +1,7 @@
 //! A frame as a list: its parts, and the dispatches of each. What becomes of the list is [`super::encode`]'s business.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -38,13 +39,15 @@ pub struct Recorder {
     list: Vec<Entry>,
     /// How many parts are timed.
     timed_parts: usize,
+    /// How many parts have the name of each kernel and a number.
+    numbered: BTreeMap<String, usize>,
 }
 
 impl Recorder {
     /// Begins a frame whose first `parts` labelled parts are timed.
     pub fn new(device: &LogicalDevice, parts: usize) -> Result<Self> {
         let timed_parts = if device.limits().timestamp_period > 0.0 { parts } else { 0 };
-        Ok(Self { device: device.clone(), list: Vec::new(), timed_parts })
+        Ok(Self { device: device.clone(), list: Vec::new(), timed_parts, numbered: BTreeMap::new() })
     }
 
     /// Lists what `body` lists as a part of this name: within a debug label, and with a timestamp before and after.
@@ -60,9 +63,11 @@ impl Recorder {
         done
     }
 
-    /// How many parts are listed whose names begin with this.
-    pub fn parts_named(&self, begin: &str) -> usize {
-        self.list.iter().filter(|entry| matches!(entry, Entry::Begin(name, _) if name.starts_with(begin))).count()
+    /// A name for the next dispatch of this kernel: with its number among them.
+    pub fn numbered(&mut self, kernel: &str) -> String {
+        let number = self.numbered.entry(kernel.to_string()).or_default();
+        *number += 1;
+        format!("{kernel} #{number}")
     }
 
     /// Lists a dispatch of a kernel; it waits for earlier dispatches that it depends on.
@@ -155,7 +160,12 @@ impl Recorder {
         if device.choices().submissions != Submissions::Reused {
             first_use::compile(&device, &self.list);
             let cuts = cuts(&self.list);
-            return Encoded::new(&device, self.list, self.timed_parts, cuts)?.run().inspect(|times| paces.note(times));
+            let encoded = Encoded::new(&device, self.list, self.timed_parts, cuts)?;
+            let times = encoded.run()?;
+            if cut {
+                encoded.tell(paces, &times);
+            }
+            return Ok(times);
         }
         let mut kept = kept.kept.borrow_mut();
         let known = kept.iter().position(|recording| recording.is_of(&self.list, self.timed_parts));
@@ -181,7 +191,7 @@ impl Recorder {
             Err(_) => kept.clear(),
             // A frame that has not run before tells how long its steps take, and so does one that takes long.
             Ok(times) if cut && (new || total(times) > limit) => {
-                paces.note(times);
+                kept[at].tell(paces, times);
                 if !kept[at].is_cut_as(paces, limit) {
                     kept.remove(at);
                 }

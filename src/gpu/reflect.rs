@@ -290,3 +290,62 @@ pub fn reflect_records() -> Result<Vec<Struct>> {
     }
     Ok(out)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::kernel::Shape;
+    use crate::layout::MOST_WIDE;
+    use spirq::spirv::StorageClass;
+
+    /// The module with these values of specialization constants.
+    fn specialized(words: &[u32], values: &[(u32, u32)]) -> Vec<u32> {
+        let declared = Declared::of(words);
+        edited(words, |out, instruction| match (instruction.op, instruction.operands) {
+            (Some(Op::SpecConstant), [ty, id, _]) if declared.decoration(*id, Decoration::SpecId).is_some() => {
+                let known = declared.decoration(*id, Decoration::SpecId);
+                let value = values.iter().find(|(own, _)| Some(*own) == known).map(|(_, value)| *value);
+                out.put(Op::Constant, &[*ty, *id, value.unwrap_or(instruction.operands[2])]);
+            }
+            _ => out.keep(instruction),
+        })
+    }
+
+    /// Bytes of a type, vectors of three as four.
+    fn bytes(declared: &Declared<'_>, ty: u32) -> u32 {
+        match declared.types[&ty] {
+            (Op::TypeBool, _) => 4,
+            (Op::TypeInt | Op::TypeFloat, of) => of[0] / 8,
+            (Op::TypeVector, [of, count]) => bytes(declared, *of) * count.next_power_of_two(),
+            (Op::TypeArray, [of, count]) => bytes(declared, *of) * declared.constants[count],
+            (Op::TypeStruct, of) => of.iter().map(|member| bytes(declared, *member)).sum(),
+            (other, _) => panic!("{other:?} in shared memory"),
+        }
+    }
+
+    #[test]
+    fn groups_share_no_more_memory_than_every_device_has() {
+        let mut most = 0;
+        for name in kernel_names() {
+            let words = words_of(name).unwrap();
+            let found = reflect(name, &words).unwrap();
+            for lanes in [1, 32, 64, 128, MOST_WIDE] {
+                let values: Vec<_> = Shape::with_lanes(lanes, &found).constants().collect();
+                let module = computed(&specialized(&words, &values));
+                let declared = Declared::of(&module);
+                let shared = instructions(&module).filter_map(|instruction| match instruction.operands {
+                    [ty, _, class, ..]
+                        if instruction.op == Some(Op::Variable) && *class == StorageClass::Workgroup as u32 =>
+                    {
+                        Some(bytes(&declared, declared.types[ty].1[1]))
+                    }
+                    _ => None,
+                });
+                let sum = shared.sum();
+                assert!(sum <= 16 << 10, "{name}, {lanes} invocations an item: {sum} bytes");
+                most = most.max(sum);
+            }
+        }
+        assert!(most > 4 << 10, "{most}");
+    }
+}

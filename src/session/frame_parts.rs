@@ -128,7 +128,7 @@ impl Session {
         Ok(())
     }
 
-    /// Runs all that is left of a frame, in one submission unless lists overflow.
+    /// Runs all that is left of a frame, again from where lists overflow.
     pub(crate) fn complete(&mut self, mut frame: FrameParts) -> Result<Vec<Timing>> {
         loop {
             if let Some(times) = self.go_on(&mut frame, None)? {

@@ -1,4 +1,4 @@
-//! Runs a plan on the CPU or a device: one submission per frame, and another one with longer lists after an overflow.
+//! Runs a plan on the CPU or a device: the steps of a frame, and those again whose lists overflowed, with longer ones.
 
 use std::time::Instant;
 

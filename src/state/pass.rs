@@ -164,18 +164,21 @@ impl DeviceState {
         Ok(seen)
     }
 
-    /// Records and submits one dispatch of a step; returns its time, and whether there are more after it.
+    /// Records and submits one dispatch of a step; returns its time under the name of the stage, and whether there are
+    /// more after it.
     pub fn run_part(&self, state: &State, step: Step, index: usize) -> Result<(Option<Timing>, bool)> {
         let mut recorder = Recorder::new(self.device(), 1)?;
         let mut seen = 0;
-        recorder.part_of(step.stage.name, step.place(), |recorder| {
+        // Its time is not that of the step, and must not be taken for it.
+        recorder.part_of(&format!("{} #{}", step.stage.name, index + 1), step.place(), |recorder| {
             let sink = Sink::Part(self, recorder, OneOf { index, seen: &mut seen });
             (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink })
         })?;
         self.execution().list(&mut recorder)?;
         let times = recorder.submit_again(self.recordings())?;
         self.execution().verify("running a frame")?;
-        Ok((times.into_iter().next(), index + 1 < seen))
+        let time = times.into_iter().next().map(|time| Timing { name: step.stage.name.to_string(), ..time });
+        Ok((time, index + 1 < seen))
     }
 }
 
@@ -237,8 +240,8 @@ impl<'s> Pass<'s> {
                     Timed::Steps => list(recorder)?,
                     Timed::Kernels => recorder.part_of(&kernel, self.step.place(), list)?,
                     Timed::Dispatches => {
-                        let number = recorder.parts_named(&format!("{kernel} #")) + 1;
-                        recorder.part_of(&format!("{kernel} #{number}"), self.step.place(), list)?;
+                        let name = recorder.numbered(&kernel);
+                        recorder.part_of(&name, self.step.place(), list)?;
                     }
                 }
             }

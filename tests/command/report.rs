@@ -47,6 +47,58 @@ fn what_can_not_be_done_is_refused_before_anything_is_measured() {
     bad(&here, "report -o r --only mertens/table9", 2, &["--only: no such section", "mertens/table5"]);
     bad(&here, "report file -o r --only devices", 2, &["only tables of Mertens", "found file"]);
     bad(&here, "report", 2, &["-o"]);
+    bad(&here, "report -o r --only day", 2, &["--only: this section shows what a file has", "expected --from DAY"]);
+    bad(&here, "report -o r --from no", 2, &["no/summary.txt: could not be read", "day.tar.gz"]);
+    std::fs::write(here.path().join("summary.txt"), "no step\n").unwrap();
+    bad(&here, "report -o r --from .", 2, &["summary.txt: it names no step"]);
+    std::fs::write(here.path().join("summary.txt"), "a exit 0 1 s x\n").unwrap();
+    std::fs::write(here.path().join("a.json"), "{}").unwrap();
+    bad(&here, "report -o r --from .", 2, &["a.json: schema: this version of the format is not known"]);
+    assert!(!here.path().join("r").exists());
+}
+
+#[test]
+fn a_day_of_another_device_stands_beside_this_one() {
+    let here = folder(&[]);
+    std::fs::create_dir(here.path().join("day")).unwrap();
+    std::fs::write(here.path().join("day/lotus.png"), "png").unwrap();
+    let sets = "--set object.0.detail=1 --set camera.size=[8,8] --device cpu --frames 3";
+    good(&here, &format!("profile sphere {sets} --change light --save day/light.json"));
+    let lines = "devices exit 0 1 s a device\nlight exit 124 30 s 0.2 ms\nvary: no time left\n";
+    std::fs::write(here.path().join("day/summary.txt"), lines).unwrap();
+    // The scene of this one is nowhere.
+    let lost = read(&here, "day/light.json").replace("\"sphere\"", "\"gone.obj\"");
+    std::fs::write(here.path().join("day/devices.json"), lost).unwrap();
+    let (_, err) = good(&here, "report --from day -o r --device cpu");
+    assert!(err.contains("1/1 day"), "{err}");
+    let page = read(&here, "r/index.html");
+    for words in [
+        "<td>vary</td>",
+        "no time left",
+        "light: sphere, light changes",
+        "Not timed here: neither a built-in scene nor a file; found gone.obj",
+        "cG5n",
+    ] {
+        assert!(page.contains(words), "{words}: {page}");
+    }
+    let csv = read(&here, "r/day-light.csv");
+    assert!(csv.starts_with("what,\"there, ms\",\"here, ms\",here / there\n"), "{csv}");
+    let row = csv.lines().find(|line| line.starts_with("gather,")).unwrap();
+    assert!(row.split(',').skip(1).all(|cell| cell.parse::<f64>().is_ok_and(|ms| ms > 0.0)), "{row}");
+    let row = read(&here, "r/day-devices.csv");
+    assert!(row.lines().any(|line| line.starts_with("gather,") && line.ends_with(",,")), "{row}");
+}
+
+#[test]
+fn comparisons_that_differ_on_another_device_are_failures() {
+    let here = folder(&[]);
+    std::fs::create_dir(here.path().join("day")).unwrap();
+    std::fs::write(here.path().join("day/summary.txt"), "conform exit 1 9 s x\n").unwrap();
+    good(&here, "conform --filter ^one.triangle --stage refit --no-validation --jsonl day/conform.jsonl");
+    good(&here, "report --from day -o r --device cpu");
+    let differs = read(&here, "day/conform.jsonl").replacen("\"conforms\"", "\"differs\"", 1);
+    std::fs::write(here.path().join("day/conform.jsonl"), differs).unwrap();
+    bad(&here, "report --from day -o r --device cpu", 1, &["the report has 1 failures", "day: ", "refit"]);
 }
 
 #[test]

@@ -137,8 +137,11 @@ fn a_session_survives() {
             watch(None, || next(&mut session, 1).unwrap());
             let (_, calls) = watch(None, || next(&mut session, 2).unwrap());
             let harmful: Vec<usize> = (0..calls.len()).filter(|k| !HARMLESS.contains(&calls[*k].name)).collect();
+            // Some of all calls, and one of each name and purpose.
+            let some = harmful.iter().copied().step_by(harmful.len().div_ceil(40));
+            let once = each_once(&calls).into_iter().filter(|k| harmful.contains(k));
             let mut failed = 0;
-            for (k, turn) in harmful.iter().copied().step_by(harmful.len().div_ceil(40)).zip(3..) {
+            for (k, turn) in some.chain(once).collect::<BTreeSet<_>>().into_iter().zip(3..) {
                 let (done, _) = watch(Some(k), || next(&mut session, turn));
                 failed += usize::from(done.is_err());
                 assert_eq!(frame(&mut session).unwrap(), right[turn % 2], "after {k}: {:?}", calls[k]);

@@ -216,20 +216,25 @@ fn clamped<const SUBGROUP: u32>(adapter: &mut Adapter) {
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn fixtures_conform_within_the_least_limits() {
-    const SIZES: [fn(&mut Adapter); 6] =
-        [clamped::<4>, clamped::<8>, clamped::<16>, clamped::<32>, clamped::<64>, clamped::<128>];
     let fixtures = some();
     with(|device, instance| {
-        for (turn, size) in SIZES.into_iter().enumerate() {
-            let adapters = on_altered(size, || instance.adapters().unwrap());
-            let adapter = adapters.into_iter().find(|adapter| adapter.name == device.name()).unwrap();
-            let small = Device::open(instance, &adapter).unwrap();
-            // Each fixture with two sizes.
-            for fixture in fixtures.iter().cycle().skip(turn).step_by(3).take(2) {
+        let adapter = |alter: fn(&mut Adapter)| {
+            let adapters = on_altered(alter, || instance.adapters().unwrap());
+            adapters.into_iter().find(|adapter| adapter.name == device.name()).unwrap()
+        };
+        // Subgroups that are said to be larger than groups of 64, and each size that can be had.
+        let sizes = [4, 8, 16, 32, 64, 128].map(|size| Choices { subgroup: Some(size), ..Choices::default() });
+        let asked = sizes.into_iter().map(|choices| (adapter(clamped::<8>), choices));
+        let cases = [(adapter(clamped::<8>), Choices::default()), (adapter(clamped::<128>), Choices::default())]
+            .into_iter()
+            .chain(asked.filter(|(adapter, choices)| adapter.offers.lack(choices).is_none()));
+        for (turn, (adapter, choices)) in cases.enumerate() {
+            let small = Device::open_as(instance, &adapter, &choices).unwrap();
+            for fixture in fixtures.iter().skip(turn % 2).step_by(2) {
                 let rows = conform(&small, fixture, &[]).unwrap();
                 let faults: Vec<&String> = rows.iter().flat_map(|row| &row.faults).collect();
-                let size = adapter.limits.subgroup_size;
-                assert!(!rows.is_empty() && faults.is_empty(), "{}, subgroups of {size}: {faults:?}", fixture.name);
+                let (said, size) = (adapter.limits.subgroup_size, choices.subgroup);
+                assert!(!rows.is_empty() && faults.is_empty(), "{}, {said}, {size:?}: {faults:?}", fixture.name);
             }
         }
     });

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Command, FromArgMatches, ValueEnum};
 
 use super::gate::Gate;
 use crate::cli::SceneArguments;
@@ -19,6 +19,8 @@ use milkglass::measure::rounds::{ROUNDS, Samples};
 
 /// Frames of a profile by default.
 const FRAMES: u32 = 11;
+/// Frames of a profile that is timed again.
+const AGAIN: &str = "7";
 
 /// Arguments of `profile`.
 #[derive(Args)]
@@ -182,9 +184,26 @@ impl Arguments {
         self.against.is_some() || !self.compare.is_empty() || self.device.len() > 1 || !self.replace.pairs().is_empty()
     }
 
+    /// Arguments that time a few frames of what another run timed.
+    pub(super) fn again(subject: &Subject) -> Result<Self> {
+        let frame = subject.frame.to_string();
+        let fixed = ["--frame", &frame, "--change", &subject.change, "--mode", &subject.mode];
+        let rest = ["--transport", &subject.transport, "--by", subject.by(), "--frames", AGAIN];
+        let sets = subject.sets.iter().flat_map(|set| ["--set", set]);
+        let words = ["profile", &subject.scene].into_iter().chain(fixed).chain(rest).chain(sets);
+        let command = Self::augment_args(Command::new("profile"));
+        let found = command.try_get_matches_from(words).and_then(|matches| Self::from_arg_matches(&matches));
+        let fault = |error: clap::Error| Input::new(error.kind().to_string()).found(subject.scene.as_str());
+        found.map_err(|error| fault(error).expected("what this version of `milkglass profile` times").into())
+    }
+
     /// Opens a device; `None` is the CPU.
     pub(super) fn open(&self, name: Option<&String>) -> Result<Option<Device>> {
-        let device = DeviceArgument::named(name.cloned()).open(validation())?;
+        self.timing(DeviceArgument::named(name.cloned()).open(validation())?)
+    }
+
+    /// The device as it times what has times of its own.
+    pub(super) fn timing(&self, device: Option<Device>) -> Result<Option<Device>> {
         let timed = match self.by {
             By::Stage => Timed::Steps,
             By::Kernel => Timed::Kernels,

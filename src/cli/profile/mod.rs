@@ -26,7 +26,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::view::atomic_file::ready;
-use milkglass::measure::profile::file::{Saved, read};
+use milkglass::measure::profile::file::{Saved, Subject, read};
 use milkglass::measure::profile::history::Entry;
 use milkglass::measure::profile::roofline;
 use milkglass::measure::profile::why::why;
@@ -95,6 +95,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         json["why"] = json!(why);
     }
     save(arguments, &saved, json, comparison)
+}
+
+/// Samples of a few frames of what another run timed, on this device; the CPU if there is none.
+pub(super) fn timed_again(subject: &Subject, device: Option<&Device>) -> Result<Samples> {
+    let arguments = Arguments::again(subject)?;
+    let scene = arguments.scene()?.load()?;
+    let device = arguments.timing(device.cloned())?;
+    Ok(profile(&scene, device.as_ref(), &arguments.settings())?.samples)
 }
 
 /// Writes the requested files but that of `--save`; returns what that has of the profile.

@@ -39,7 +39,8 @@ impl Encoded {
                 unsafe { raw.get_query_pool_results(self.queries.0, 0, &mut ticks, flags) }
             })?;
         }
-        let now = if ticks.is_empty() { None } else { self.device.clocks(&doing)? };
+        // Without the clocks its parts have times, but no moments.
+        let now = if ticks.is_empty() { None } else { self.device.clocks(&doing).ok().flatten() };
         let began = |ticks: Option<&u64>| {
             let moment = now.as_ref()?;
             Some((moment.of(*ticks?, limits)?, moment.within))

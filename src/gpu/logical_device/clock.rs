@@ -45,14 +45,18 @@ impl LogicalDevice {
         let Some(extension) = self.0.adapter.offers.clock.filter(|_| self.0.aligned.get()) else { return Ok(None) };
         let (instance, raw) = (&self.0.instance.0.raw, &self.0.raw);
         let wanted = [vk::CalibratedTimestampInfoKHR::default().time_domain(vk::TimeDomainKHR::DEVICE)];
+        // Its functions are found before the time is taken.
+        let by_khr = (extension == khr::calibrated_timestamps::NAME)
+            .then(|| khr::calibrated_timestamps::Device::new(instance, raw));
+        let by_ext = ext::calibrated_timestamps::Device::new(instance, raw);
         let mut best: Option<Moment> = None;
         for _ in 0..READINGS {
             let begin = Instant::now();
             // SAFETY: the device was opened with the extension, which offers the device's clock.
             let (ticks, _) = vk_call("vkGetCalibratedTimestampsKHR", doing, || unsafe {
-                match extension == khr::calibrated_timestamps::NAME {
-                    true => khr::calibrated_timestamps::Device::new(instance, raw).get_calibrated_timestamps(&wanted),
-                    false => ext::calibrated_timestamps::Device::new(instance, raw).get_calibrated_timestamps(&wanted),
+                match &by_khr {
+                    Some(by_khr) => by_khr.get_calibrated_timestamps(&wanted),
+                    None => by_ext.get_calibrated_timestamps(&wanted),
                 }
             })?;
             let within = begin.elapsed() / 2;

@@ -34,13 +34,15 @@ impl LogicalDevice {
         self.submit_to(&infos.iter().map(|info| (0, *info)).collect::<Vec<_>>(), doing)
     }
 
-    /// Waits, for as long as a submission may take, for one that exceeded its limit. An error where the device executes
-    /// nothing, or is still not done.
+    /// Waits for a submission that exceeded its limit: once for as long as one may take, then not again. An error where
+    /// the device executes nothing, or is still not done.
     pub(in super::super) fn ready(&self, doing: &str) -> Result<()> {
         if self.0.given_up.get() {
             return Err(Error::device(doing, "the device does not execute what it is given"));
         }
-        if !self.0.finished_within(self.0.patience.get()) {
+        let patience = if self.0.waits_for_late.get() { self.0.patience.get() } else { Duration::ZERO };
+        if !self.0.finished_within(patience) {
+            self.0.waits_for_late.set(false);
             return Err(Error::device(doing, "the device is still busy with what it did not finish in time"));
         }
         Ok(())
@@ -173,6 +175,7 @@ impl Inner {
         }
         self.late.set(vk::Fence::null());
         self.grace.set(GRACE);
+        self.waits_for_late.set(true);
         true
     }
 }

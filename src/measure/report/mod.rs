@@ -6,6 +6,7 @@
 mod accuracy;
 mod checks;
 mod compile;
+mod day;
 mod francois;
 mod history;
 mod html;
@@ -21,6 +22,7 @@ mod whole;
 use std::time::Instant;
 
 pub use checks::stress_table;
+pub use day::Day;
 pub use html::{Finding, Page, Shown, Tone, escape};
 pub use pictures::png;
 pub use whole::{Written, whole};
@@ -28,7 +30,9 @@ pub use whole::{Written, whole};
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::measure::folder::REPORT;
+use crate::measure::profile::file::Subject;
 use crate::measure::profile::history::Entry;
+use crate::measure::rounds::Samples;
 use crate::measure::table::Table;
 use crate::scene::Scene;
 
@@ -38,8 +42,11 @@ pub type Keep<'a> = dyn Fn(&str, &[u8]) -> Result<()> + 'a;
 /// Compiles a scene's kernels for GPUs of these families: a heading and a table for each.
 pub type Compilers<'a> = dyn Fn(&Scene, &[&str]) -> Result<Vec<(String, Table)>> + 'a;
 
+/// Times frames of a profile's subject on a device, the CPU if there is none.
+pub type Timed<'a> = dyn Fn(&Subject, Option<&Device>) -> Result<Samples> + 'a;
+
 /// Settings of a report.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub struct Bench<'a> {
     /// The device; `None` for the CPU.
     pub device: Option<&'a Device>,
@@ -49,6 +56,10 @@ pub struct Bench<'a> {
     pub meshes: &'a [String],
     /// Runs of `profile --history`.
     pub history: Option<&'a [Entry]>,
+    /// What was found on another device.
+    pub day: Option<&'a Day>,
+    /// Times what a profile timed on a device, where the caller can.
+    pub timed: Option<&'a Timed<'a>>,
     /// Has compilers of other GPUs compile the kernels of a scene, where the caller can.
     pub compilers: Option<&'a Compilers<'a>>,
     /// Keeps a file, by its name, as soon as it is there: what was measured stays if the run is stopped.
@@ -83,6 +94,7 @@ pub static SECTIONS: &[Section] = &[
     Section { name: "plan", title: "Plan: what each scene needs", write: setting::plans },
     Section { name: "profile", title: "Profile: time and work of each stage", write: speed::profile },
     Section { name: "history", title: "History: times of stages over many runs", write: history::history },
+    Section { name: "day", title: "Another device, and this one", write: day::day },
     Section { name: "compile", title: "What compilers of other GPUs make of the kernels", write: compile::compile },
     Section { name: "vary", title: "Varying the API: what other choices of Vulkan cost", write: vary::vary },
     Section {
@@ -180,7 +192,7 @@ mod tests {
             kept.borrow_mut().push((name.to_string(), String::from_utf8_lossy(bytes).into_owned()));
             Ok(())
         };
-        let bench = Bench { device: None, quick: true, keep: Some(&keep), meshes: &[], history: None, compilers: None };
+        let bench = Bench { quick: true, keep: Some(&keep), ..Bench::default() };
         let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string())).unwrap();
         assert_eq!((told, made.faults), (vec!["bad".into(), "good".into()], vec!["bad: it broke".to_string()]));
         for words in [
@@ -227,7 +239,7 @@ mod tests {
         let nothing = |_: &Bench<'_>, _: &mut Page| Ok(());
         let write: [fn(&Bench<'_>, &mut Page) -> Result<()>; 4] = [missed, met, checked, nothing];
         let sections = [0, 1, 2, 3].map(|k| Section { name: "s", title: "S", write: write[k] });
-        let bench = Bench { device: None, quick: true, keep: None, meshes: &[], history: None, compilers: None };
+        let bench = Bench { quick: true, ..Bench::default() };
         let page = |chosen: &[usize]| {
             let chosen: Vec<&Section> = chosen.iter().map(|&k| &sections[k]).collect();
             report(&bench, &chosen, &mut |_| ()).unwrap().page

@@ -142,10 +142,7 @@ mod tests {
     #[test]
     #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn each_method_has_its_errors_pictures_and_costs() {
-        let (mut page, bench) = (
-            Page::default(),
-            Bench { device: None, quick: true, keep: None, meshes: &[], history: None, compilers: None },
-        );
+        let (mut page, bench) = (Page::default(), Bench { quick: true, ..Bench::default() });
         let shapes = [("ball", "sphere", [2, 2], 1.0), ("disc", "sphere", [1, 1], 0.5)];
         compare(&bench, &mut page, &shapes, 24, "transport.walks=30000").unwrap();
         let (name, table) = &page.files[0];
