@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let fault = Input::new("measures a Vulkan device").key("--why").found("the CPU");
         return Err(fault.expected("a device that `milkglass devices` lists").into());
     }
-    let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)], false)?;
+    let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)], false)?.map(|(device, _)| device);
     let mut comparison = match &own {
         Some(after) => replacement(arguments, &scene, (device.as_ref(), after), &settings)?,
         None => Comparison::default(),
