@@ -7,8 +7,10 @@ use clap::Args;
 use super::{DeviceArgument, compile, print, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::measure::folder::{Folder, REPORT};
-use milkglass::measure::profile::history::read;
+use milkglass::measure::profile::history::{Entry, read};
 use milkglass::measure::report::{Bench, PARTS, SECTIONS, Section, report};
+use milkglass::measure::tables::mesh;
+use milkglass::measure::tables::paper::EXTENT_4;
 
 /// Arguments of `report`.
 #[derive(Args)]
@@ -25,19 +27,19 @@ pub struct Arguments {
     /// Small scenes and few settings: takes minutes.
     #[arg(long)]
     quick: bool,
-    /// Mesh files that the tables of Mertens et al. are measured for, too.
+    /// Mesh files that tables 4 and 5 of Mertens et al. are measured for, too.
     meshes: Vec<String>,
     /// Only these sections, or tables and figures of the papers, such as `mertens/table5`, separated by commas
     /// [default: all sections].
     #[arg(long, value_name = "SECTIONS", value_delimiter = ',')]
     only: Vec<String>,
-    /// Also draw the runs that `profile --history` wrote to this file, in section `history`.
+    /// Draw the runs that `profile --history` wrote to this file, in section `history`.
     #[arg(long, value_name = "FILE")]
     history: Option<PathBuf>,
 }
 
-/// Measures and writes the page; fails if a section does.
-pub fn run(arguments: &Arguments) -> Result<()> {
+/// The sections that are asked for.
+fn chosen(arguments: &Arguments) -> Result<Vec<&'static Section>> {
     for name in &arguments.only {
         if !SECTIONS.iter().chain(PARTS).any(|section| section.name == name) {
             let names: Vec<_> = SECTIONS.iter().chain(PARTS).map(|section| section.name).collect();
@@ -50,15 +52,33 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(fault.expected("--history FILE").into());
     }
     let asked = |section: &&Section| arguments.only.iter().any(|name| name == section.name);
-    let sections: Vec<&Section> = match arguments.only.is_empty() {
+    Ok(match arguments.only.is_empty() {
         true => SECTIONS.iter().filter(|section| drawn(section.name)).collect(),
         false => SECTIONS.iter().chain(PARTS).filter(asked).collect(),
-    };
-    if !arguments.meshes.is_empty() && !sections.iter().any(|section| section.name.starts_with("mertens")) {
-        let fault = Input::new("only tables of Mertens et al. are measured for meshes").found(&arguments.meshes[0]);
-        return Err(fault.expected("--only mertens/table5, for example").into());
+    })
+}
+
+/// Reads the files that these sections take; an error for one that none of them takes.
+fn inputs(arguments: &Arguments, sections: &[&Section]) -> Result<Option<Vec<Entry>>> {
+    let has = |name: &str| sections.iter().any(|section| section.name == name);
+    if let (Some(path), false) = (&arguments.history, has("history")) {
+        let fault = Input::new("no section draws these runs").key("--history").found(path.display());
+        return Err(fault.expected("--only history").into());
     }
-    let history = arguments.history.as_deref().map(read).transpose()?;
+    let measured = has("mertens/table4") || has("mertens/table5") || has("mertens") && !arguments.quick;
+    if let (Some(first), false) = (arguments.meshes.first(), measured) {
+        let fault = Input::new("no section measures meshes").found(first);
+        return Err(fault.expected("--only mertens/table4, mertens/table5, or mertens without --quick").into());
+    }
+    // They are read again when they are measured, minutes later.
+    arguments.meshes.iter().try_for_each(|path| mesh(path, EXTENT_4).map(drop))?;
+    arguments.history.as_deref().map(read).transpose()
+}
+
+/// Measures and writes the page; fails if a section does.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let sections = chosen(arguments)?;
+    let history = inputs(arguments, &sections)?;
     let folder = Folder::open(&arguments.output, &REPORT, "-o")?;
     let device = arguments.device.open(validation())?;
     let begun = format!("<!doctype html>\n<meta name=\"generator\" {}>\n<p>No section is finished.</p>\n", REPORT.mark);

@@ -45,7 +45,17 @@ fn what_can_not_be_done_is_refused_before_anything_is_measured() {
     bad(&here, "report -o r --only devices,colours", 2, &["--only: no such section; found colours", "pareto, modes"]);
     bad(&here, "report -o r --device nothing", 3, &["looking for device \"nothing\""]);
     bad(&here, "report -o r --only mertens/table9", 2, &["--only: no such section", "mertens/table5"]);
-    bad(&here, "report file -o r --only devices", 2, &["only tables of Mertens", "found file"]);
+    for line in ["--only devices", "--only mertens/table3", "--only mertens --quick", "--quick"] {
+        bad(&here, &format!("report file -o r {line}"), 2, &["no section measures meshes", "found file"]);
+    }
+    // Before the device is opened, and the folder made.
+    bad(&here, "report gone.obj -o r --only mertens/table4 --device nothing", 2, &["found gone.obj"]);
+    bad(
+        &here,
+        "report -o r --only devices --history file",
+        2,
+        &["--history: no section draws these runs", "found file"],
+    );
     bad(&here, "report", 2, &["-o"]);
 }
 
@@ -58,6 +68,27 @@ fn a_table_or_figure_comes_by_its_name() {
     let page = read(&here, "r/index.html");
     assert!(page.contains("<section id=\"mertens/figure3\">") && !page.contains("Tables 3, 4 and 5"), "{page}");
     assert_eq!(names(&here.path().join("r")), ["figure-3.csv", "figure-4.csv", "index.html"]);
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn tables_of_mertens_come_for_a_mesh_too() {
+    let here = folder(&[("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")]);
+    good(&here, "report one.obj -o r --quick --only mertens/table3,mertens/table4,mertens/table5");
+    let page = read(&here, "r/index.html");
+    for (section, tables) in [
+        ("mertens/table3", &["table-3-sphere", "table-3-lotus"][..]),
+        ("mertens/table4", &["table-4"]),
+        ("mertens/table5", &["table-5", "table-5-mesh-1"]),
+    ] {
+        let (_, from) = page.split_once(&format!("<section id=\"{section}\">")).unwrap();
+        let own = values(from.split("</section>").next().unwrap(), "href");
+        let files: Vec<String> = tables.iter().map(|name| format!("{name}.csv")).collect();
+        assert_eq!(own, files, "{section}");
+    }
+    assert!(read(&here, "r/table-4.csv").lines().last().unwrap().starts_with("-,-,-,-,-,one,"));
+    let csv = read(&here, "r/table-5-mesh-1.csv");
+    assert!(csv.starts_with("meters,") && csv.lines().count() == read(&here, "r/table-5.csv").lines().count(), "{csv}");
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub struct Bench<'a> {
     pub device: Option<&'a Device>,
     /// Small scenes and few settings; takes minutes.
     pub quick: bool,
-    /// Mesh files that tables of Mertens et al. are measured for, too.
+    /// Mesh files that tables 4 and 5 of Mertens et al. are measured for, too.
     pub meshes: &'a [String],
     /// Runs of `profile --history`.
     pub history: Option<&'a [Entry]>,
