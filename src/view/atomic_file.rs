@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all: written beside their destination, then moved there.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard};
@@ -123,6 +123,30 @@ pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>
         before.push((key, place));
     }
     Ok(())
+}
+
+/// Appends bytes to a file in one piece, so that those of programs which append at the same time do not mix. If only a
+/// part of them can be written, it is taken back.
+pub fn append(path: &Path, bytes: &[u8]) -> Result<()> {
+    let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path).into();
+    if target(path).map_err(fault)?.is_some_and(|place| was_read(&place)) {
+        return Err(fault("it was read to make this; give the output another name".into()));
+    }
+    let open = std::fs::OpenOptions::new().create(true).append(true).open(path);
+    let add = |mut file: std::fs::File| {
+        let before = file.metadata()?.len();
+        let written = file.write(bytes)?;
+        // Another program may have appended since.
+        if written < bytes.len() && file.metadata()?.len() == before + written as u64 {
+            file.set_len(before)?;
+        }
+        Ok(written)
+    };
+    match open.and_then(add) {
+        Ok(written) if written == bytes.len() => Ok(()),
+        Ok(written) => Err(fault(format!("there is room for {written} of {} bytes only", bytes.len()))),
+        Err(error) => Err(fault(error.to_string())),
+    }
 }
 
 /// [`write_atomically`] for a library's encoder. It encodes to memory, because encoders may overlook that the last
