@@ -8,7 +8,7 @@ use super::{DeviceArgument, compile, print, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::measure::folder::{Folder, REPORT};
 use milkglass::measure::profile::history::{Entry, read};
-use milkglass::measure::report::{Bench, PARTS, SECTIONS, Section, report};
+use milkglass::measure::report::{Bench, PARTS, SECTIONS, Section, UNFINISHED, measured, report};
 use milkglass::measure::tables::mesh;
 use milkglass::measure::tables::paper::EXTENT_4;
 
@@ -17,13 +17,16 @@ use milkglass::measure::tables::paper::EXTENT_4;
 #[command(after_help = "Example: milkglass report -o report --quick\n         \
                         milkglass report -o layers --only pictures,layers --device cpu\n\n\
                         DIR must be new, empty, or hold an earlier report, whose files of the same names are replaced, each as soon as it \
-                        is measured: what a stopped run has measured stays.")]
+                        is measured: what a stopped run has measured stays, and the same command with --resume goes on.")]
 pub struct Arguments {
     #[command(flatten)]
     device: DeviceArgument,
     /// The folder for index.html and the CSV files.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Go on with the interrupted report in DIR: the sections that it has are not measured again.
+    #[arg(long)]
+    resume: bool,
     /// Small scenes and few settings: takes minutes.
     #[arg(long)]
     quick: bool,
@@ -91,12 +94,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         history: history.as_deref(),
         compilers: Some(&compile::tables),
     };
-    let mut number = 0;
-    let mut tell = |name: &str| {
-        number += 1;
-        tell!("{number}/{} {name}", sections.len());
+    let earlier = match arguments.resume {
+        true => measured(&arguments.output, &bench, &sections)?,
+        false => Vec::new(),
     };
-    let made = report(&bench, &sections, &mut tell)?;
+    let count = sections.len();
+    let mut tell = |name: &str| {
+        let place = sections.iter().position(|section| section.name == name).unwrap_or_default();
+        tell!("{}/{count} {name}", place + 1);
+    };
+    let made = report(&bench, &sections, earlier, &mut tell)?;
+    folder.remove(UNFINISHED)?;
     print(&format!("{}\n", arguments.output.join(REPORT.page).display()))?;
     if made.faults.is_empty() {
         return Ok(());

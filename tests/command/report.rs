@@ -1,6 +1,6 @@
 //! `milkglass report` run as a program: a complete page without external references, and what is refused.
 
-use crate::shell::{bad, folder, good, names, read};
+use crate::shell::{bad, folder, good, names, read, said};
 use milkglass::measure::report::SECTIONS;
 
 /// Tags without an end tag.
@@ -89,6 +89,37 @@ fn tables_of_mertens_come_for_a_mesh_too() {
     assert!(read(&here, "r/table-4.csv").lines().last().unwrap().starts_with("-,-,-,-,-,one,"));
     let csv = read(&here, "r/table-5-mesh-1.csv");
     assert!(csv.starts_with("meters,") && csv.lines().count() == read(&here, "r/table-5.csv").lines().count(), "{csv}");
+}
+
+/// A report whose second section is a file too large is an interrupted one, which goes on there.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_report_goes_on() {
+    let here = folder(&[("h.jsonl", include_str!("../results/1/history.jsonl"))]);
+    let line = "report -o r --device cpu --only devices,history --history h.jsonl";
+    let script = format!("trap '' XFSZ; ulimit -f 40; exec {} {line}", env!("CARGO_BIN_EXE_milkglass"));
+    let output = std::process::Command::new("sh").current_dir(here.path()).args(["-c", &script]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{:?}", said(&output));
+    assert!(read(&here, "r/index.html").contains("Unfinished: 1 of 2 sections"));
+    for (other, key) in
+        [("report -o r --device cpu --only devices", "sections"), (&format!("{line} --quick"), "extent")]
+    {
+        bad(&here, &format!("{other} --resume"), 2, &[&format!("r/unfinished.json: {key}: the interrupted report is")]);
+    }
+    let (_, err) = good(&here, &format!("{line} --resume"));
+    assert!(err.contains("2/2 history") && !err.contains("devices"), "{err}");
+    let resumed = read(&here, "r/index.html");
+    assert_eq!(
+        names(&here.path().join("r")),
+        ["devices.csv", "history-1.csv", "history-2.csv", "history-3.csv", "index.html"]
+    );
+    bad(&here, &format!("{line} --resume"), 2, &["r/unfinished.json", "expected the folder of an interrupted report"]);
+    // The page is that of a report in one go, but for the seconds that its sections took.
+    good(&here, line);
+    let untimed = |page: &str| -> Vec<String> {
+        page.lines().filter(|line| !line.contains("class=\"took\"")).map(String::from).collect()
+    };
+    assert_eq!(untimed(&resumed), untimed(&read(&here, "r/index.html")));
 }
 
 #[test]
