@@ -102,8 +102,8 @@ impl ReplaceArgument {
         Some(fault.expected(run.iter().map(String::as_str).collect::<Vec<_>>().join(", ")))
     }
 
-    /// The device with these shaders, and whether their values are those of the reference: checked on the first of these
-    /// setups that together run all of the replaced kernels, or as many as any of them runs. None if no shader is given.
+    /// The device with these shaders, and whether their values are those of the reference: checked on the first of
+    /// these setups that together run all replaced kernels, or as many as any of them runs. None if no shader is given.
     /// If `unchecked`, values that are wrong are told and no error.
     pub(super) fn on(
         &self,

@@ -125,9 +125,9 @@ pub struct Report {
     pub faults: Vec<String>,
 }
 
-/// Writes these sections, but those that were measured `earlier`; `tell` receives the name of each before it starts. After
-/// each its files are kept, then the page so far, then what another run needs to go on; an error means that a file could
-/// not be kept.
+/// Writes these sections, but those that were measured `earlier`; `tell` receives the name of each before it starts.
+/// After each its files are kept, then the page so far, then what another run needs to go on; an error means that a
+/// file could not be kept.
 pub fn report(
     bench: &Bench<'_>,
     sections: &[&Section],
