@@ -90,7 +90,7 @@ fn each_probe_tells_its_own_fault() {
     let probes = whole["run"]["devices"][0]["probes"].as_array().unwrap();
     for (name, found) in [
         ("full-subgroups", "partly filled in 64 of 64"),
-        ("counted-loops", "wrong in "),
+        ("loop-bounds", "wrong in "),
         ("guarded-reads", "wrong in 1 of 64 lanes: lane 0 has 0x8, not 0x7"),
         ("private-arrays", "wrong in 64 of 64"),
     ] {

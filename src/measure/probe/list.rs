@@ -127,7 +127,7 @@ pub(super) const PROBES: [Probe; 15] = [
         ..PLAIN
     },
     Probe {
-        name: "counted-loops",
+        name: "loop-bounds",
         what: "loops that a counter of 64 bits bounds, which goes up",
         needed: false,
         answer: |inputs, lane| {
