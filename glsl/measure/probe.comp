@@ -98,6 +98,49 @@ uint inactive() {
     return own;
 }
 
+// What share of 64 of the invocations that each subgroup says to have are there.
+uint full() {
+    parts[gl_LocalInvocationIndex] = gl_SubgroupID;
+    barrier();
+    uint count = 0;
+    for (uint k = 0; k < GROUP_SIZE; ++k) count += uint(parts[k] == gl_SubgroupID);
+    return 64 * count / min(gl_SubgroupSize, GROUP_SIZE);
+}
+
+// A loop beside whose condition a counter of 64 bits goes up from 0, for compilers that want a proof that it ends.
+uint bounded() {
+    uvec2 bound = uvec2(0);
+    uint count = 0, last = number(0) % rows;
+    for (;;) {
+        if (all(equal(bound, uvec2(~0u)))) break;
+        bound += uvec2(bound.y == ~0u ? 1 : 0, 1);
+        if (count >= last) break;
+        count += 1 + (number(count) & 1);
+    }
+    return count + bound.y;
+}
+
+// The value of the invocation before; the first one has none, and must not get what lies there.
+uint previous() {
+    int before = int(gl_LocalInvocationIndex) - 1;
+    parts[gl_LocalInvocationIndex] = number(0);
+    barrier();
+    return before < 0 ? 7u : parts[before];
+}
+
+// A walk through 1 KiB of each invocation's own memory, which changes it; then all of it.
+uint private_array() {
+    uint kept[256], place = 0, sum = 0;
+    for (uint k = 0; k < 256; ++k) kept[k] = number(k);
+    for (uint k = 0; k < 1000; ++k) {
+        uint found = kept[place];
+        kept[place] = found * 5 + k;
+        place = (found >> 3) % 256;
+    }
+    for (uint k = 0; k < 256; ++k) sum = sum * 31 + kept[k];
+    return sum;
+}
+
 void main() {
     uint answer = 0, at = gl_LocalInvocationIndex;
     if (PROBE == 0) answer = nested();
@@ -123,12 +166,16 @@ void main() {
         answer = inactive();
     }
     if (PROBE == 9) answer = pushed[number(0) % 32];
-    if (PROBE == 10 && at == 0) {
+    if (PROBE == 10) answer = full();
+    if (PROBE == 11) answer = bounded();
+    if (PROBE == 12) answer = previous();
+    if (PROBE == 13) answer = private_array();
+    if (PROBE == 14 && at == 0) {
         uint groups[6] = uint[6](3, 1, 1, 0, 1, 1);
         for (uint k = 0; k < 6; ++k) counts[k] = groups[k];
     }
-    if (PROBE == 11) {
-        // As many groups as probe 10 wrote.
+    if (PROBE == 15) {
+        // As many groups as probe 14 wrote.
         atomicAdd(probed[at], gl_WorkGroupID.x + 1);
         return;
     }

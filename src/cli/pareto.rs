@@ -30,7 +30,7 @@ pub struct Arguments {
     #[command(flatten)]
     replace: ReplaceArgument,
     /// Measure replaced kernels even if their values are not those of the reference, as those of another oracle or
-    /// rule: their points are called unproved.
+    /// rule: then their points are called unproved.
     #[arg(long, requires = "replace")]
     unchecked: bool,
     /// Compare with a random walk as well: `walk`, `walk:SECONDS`, or a CSV file that `solve --transport walk` wrote.
@@ -101,10 +101,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let walk = |from: &String| super::walk::truth(from, &scene, device.as_ref());
     settings.truth = arguments.truth.as_ref().map(walk).transpose()?;
     let mut found = sweep(&bench, &settings)?;
-    if own.is_some() {
-        let after = sweep(&Bench { scene: &scene, device: own.as_ref() }, &settings)?;
+    if let Some((own, proved)) = &own {
+        let after = sweep(&Bench { scene: &scene, device: Some(own) }, &settings)?;
         print(&replaced(&found, &after))?;
-        found = found.beside(after, if arguments.unchecked { "unproved" } else { "replaced" });
+        found = found.beside(after, if *proved { "replaced" } else { "unproved" });
     }
     check_messages(device.as_ref())?;
     let origin = Origin::new(&scene, device.as_ref(), settings.repeat);

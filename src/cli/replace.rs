@@ -9,12 +9,12 @@ use super::run_args::{quoted, repeated};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, kernels_of, replacements};
 use milkglass::internals::pipeline::frame::owner;
-use milkglass::internals::pipeline::plan::Options;
-use milkglass::internals::session::run::CapacityHints;
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::run::{CapacityHints, Session};
 use milkglass::measure::conform::Row;
 use milkglass::measure::constants::read;
 use milkglass::measure::fixtures::Fixture;
-use milkglass::measure::replace::{self, check};
+use milkglass::measure::replace::check;
 use milkglass::measure::results::{DeviceFacts, Outcome};
 use milkglass::measure::verdict::verdict;
 use milkglass::scene::Scene;
@@ -102,14 +102,15 @@ impl ReplaceArgument {
         Some(fault.expected(run.iter().map(String::as_str).collect::<Vec<_>>().join(", ")))
     }
 
-    /// The device with these shaders, after a check of their values on the first of these scenes that together run all
-    /// of them; none if no shader is given. If `unchecked`, values that are wrong are told and no error.
+    /// The device with these shaders, and whether their values are those of the reference: checked on the first of
+    /// these setups that together run all replaced kernels, or as many as any of them runs. None if no shader is given.
+    /// If `unchecked`, values that are wrong are told and no error.
     pub(super) fn on(
         &self,
         device: Option<&Device>,
         setups: &[(&Scene, Options)],
         unchecked: bool,
-    ) -> Result<Option<Device>> {
+    ) -> Result<Option<(Device, bool)>> {
         let loaded = self.load()?;
         if loaded.is_empty() {
             return Ok(None);
@@ -119,43 +120,58 @@ impl ReplaceArgument {
             return Err(fault.expected("a device that `milkglass devices` lists").into());
         };
         let device = replaced(device, &loaded)?;
-        let (mut fixtures, mut run) = (Vec::new(), BTreeSet::new());
-        let mut unused = None;
-        for (scene, options) in setups {
-            let fixture = Fixture::new(&scene.name, scene, *options, CapacityHints::default())?;
-            run.extend(replace::kernels_of(&fixture, &device)?);
-            fixtures.push(fixture);
-            unused = self.unused(&run, &scene.name);
-            if unused.is_none() {
-                break;
-            }
-        }
-        if let Some(fault) = unused {
-            return Err(fault.into());
-        }
-        let rows = check(&device, &fixtures)?;
+        let names: Vec<String> = loaded.into_iter().map(|(name, _)| name).collect();
+        let rows = check(&device, &self.fixtures(&names, setups)?)?;
         let (good, bad): (Vec<_>, Vec<_>) = rows.iter().partition(|row| row.faults.is_empty());
         for row in good {
             tell!("{}: {} words conform to the reference", row.stage, row.words);
         }
         if unchecked {
             for row in &bad {
-                tell!("{}: other values than the reference: what follows is unproved", row.stage);
+                let first = row.faults.first().map_or("", String::as_str);
+                tell!("{}: other values than the reference, so what follows is unproved: {first}", row.stage);
             }
-            return Ok(Some(device));
+            return Ok(Some((device, bad.is_empty())));
         }
-        let names: Vec<String> = loaded.iter().map(|(name, _)| name.clone()).collect();
         let outcome = |row: &Row| Outcome::new(device.adapter(), row, repeated(device.name()));
         for row in &bad {
             let (facts, layer) = (DeviceFacts::new(device.adapter()), device.layer());
             tell!("\n{}", verdict(&outcome(row), &facts, layer.as_deref(), &names));
         }
         match bad.as_slice() {
-            [] => Ok(Some(device)),
+            [] => Ok(Some((device, true))),
             [row, ..] => {
                 Err(Error::Check(format!("the replaced stage {} gives other values than the reference", row.stage)))
             }
         }
+    }
+
+    /// The setups that run one of these kernels which those before them do not run. Tells which kernels none of them
+    /// runs; an error if these are all that a name stands for.
+    fn fixtures(&self, kernels: &[String], setups: &[(&Scene, Options)]) -> Result<Vec<Fixture>> {
+        let (mut fixtures, mut run) = (Vec::new(), BTreeSet::new());
+        let mut idle: Vec<&String> = kernels.iter().collect();
+        for (scene, options) in setups {
+            if idle.is_empty() {
+                break;
+            }
+            let session = Session::new(scene, None, *options)?;
+            let dispatches = session.dispatches(Change::EVERYTHING.and(Change::TONE))?;
+            let own: BTreeSet<String> = dispatches.into_iter().map(|dispatch| dispatch.kernel).collect();
+            if idle.iter().any(|kernel| own.contains(*kernel)) {
+                fixtures.push(Fixture::new(&scene.name, scene, *options, CapacityHints::default())?);
+            }
+            idle.retain(|kernel| !own.contains(*kernel));
+            run.extend(own);
+        }
+        if let Some(fault) = self.unused(&run, setups.first().map_or("the scene", |(scene, _)| &scene.name)) {
+            return Err(fault.into());
+        }
+        if !idle.is_empty() {
+            let names: Vec<&str> = idle.iter().map(|kernel| kernel.as_str()).collect();
+            tell!("replaced, but not compared, as nothing here runs it: {}", names.join(", "));
+        }
+        Ok(fixtures)
     }
 }
 

@@ -119,11 +119,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut cases = Vec::new();
     for folder in folders(&arguments.folder)? {
         let mut case = Case::read(&folder)?;
-        let run = case.dispatches.iter().map(|dispatch| dispatch.kernel.clone()).collect();
-        if let Some(fault) = arguments.replace.unused(&run, "this case") {
+        if let Some(fault) = arguments.replace.unused(&case.kernels(), "this case") {
             return Err(fault.into());
         }
-        for (kernel, words) in kernels.iter().filter(|(kernel, _)| run.contains(kernel)) {
+        for (kernel, words) in &kernels {
             case = case.replacing(kernel, words)?;
         }
         cases.push((folder, case));
@@ -255,8 +254,7 @@ pub(super) fn written(case: &Case, device: &Device, folder: &Path, key: &str, le
 /// Where a case comes from, and what it does.
 pub(super) fn describe(folder: &Path, case: &Case) -> String {
     let about = &case.about;
-    let kernels: std::collections::BTreeSet<&str> = case.dispatches.iter().map(|d| d.kernel.as_str()).collect();
-    let kernels: Vec<_> = kernels.into_iter().collect();
+    let kernels: Vec<String> = case.kernels().into_iter().collect();
     let fails = match (about.fails, about.seconds) {
         (true, Some(_)) => "does not end well",
         (true, None) => "fails",

@@ -66,8 +66,8 @@ impl Coverage {
             for (name, value, most) in [
                 ("bytes of a binding", largest, limits.binding_bytes),
                 ("bytes of push constants", kernel.push_bytes.into(), limits.push_bytes.into()),
-                ("groups of a dispatch, first dimension", groups[0].into(), limits.groups[0].into()),
-                ("groups of a dispatch, second dimension", groups[1].into(), limits.groups[1].into()),
+                ("groups of a direct dispatch, first dimension", groups[0].into(), limits.groups[0].into()),
+                ("groups of a direct dispatch, second dimension", groups[1].into(), limits.groups[1].into()),
                 ("invocations of a group", kernel.group.into(), limits.group_invocations.into()),
                 ("storage buffers of a kernel", kernel.accesses.len() as u64, limits.storage_buffers.into()),
             ] {
@@ -82,7 +82,7 @@ impl Coverage {
     }
 
     /// The kind, name and state of everything, how many kernels have it, and the fixtures that execute it; also of
-    /// what no kernel has.
+    /// what no kernel has that ran.
     fn rows(&self) -> Vec<[String; 5]> {
         let mut rows: Vec<[String; 5]> = Vec::new();
         for (code, own) in &self.codes {
@@ -93,7 +93,9 @@ impl Coverage {
         }
         let absent = Code::of_compute().filter(|code| !self.codes.contains_key(code));
         rows.extend(
-            absent.map(|code| [code.kind().into(), code.name(), "in no kernel".into(), "0".into(), String::new()]),
+            absent.map(|code| {
+                [code.kind().into(), code.name(), "in no kernel that ran".into(), "0".into(), String::new()]
+            }),
         );
         for (name, Reached { value, most, fixture }) in &self.limits {
             rows.push(["limit".into(), (*name).into(), format!("{value} of {most}"), String::new(), fixture.clone()]);

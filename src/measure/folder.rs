@@ -78,6 +78,12 @@ impl Folder {
         done.map_err(|e| Error::from(Input::new(format!("could not be written: {e}")).file(&self.target.join(name))))
     }
 
+    /// Removes a file that was put.
+    pub fn remove(&self, name: &str) -> Result<()> {
+        let fault = |error| Input::new(format!("could not be removed: {error}")).file(&self.target.join(name));
+        Ok(fs::remove_file(self.target.join(name)).map_err(fault)?)
+    }
+
     /// Writes all files, then moves them to the target, the page last.
     pub fn fill(self, page: &str, files: &[(String, Vec<u8>)]) -> Result<()> {
         let write =

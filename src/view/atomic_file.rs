@@ -1,12 +1,12 @@
 //! Files that appear whole or not at all: written beside their destination, then moved there.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard};
 
-use crate::error::{Input, Result};
+use crate::error::{Error, Input, Result};
 use crate::scene::was_read;
 
 /// Partial files and folders, to be removed if the program is stopped.
@@ -55,13 +55,24 @@ pub fn abandon(last: impl FnOnce()) {
 /// Lets `write` fill a file beside `path`, then moves it there: a reader never sees half of it. If `path` is a device
 /// or a pipe rather than a regular file, it is written directly.
 pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::Result<(), String>) -> Result<()> {
-    let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path).into();
-    let Some(path) = &target(path).map_err(fault)? else { return write(path).map_err(fault) };
-    if was_read(path) {
-        return Err(fault("it was read to make this; give the output another name".into()));
-    }
+    let fault = |what: String| unwritten(path, &what);
+    let Some(path) = &destination(path)? else { return write(path).map_err(fault) };
     let part = beside(path);
     write(part.path()).and_then(|()| std::fs::rename(part.path(), path).map_err(|e| e.to_string())).map_err(fault)
+}
+
+fn unwritten(path: &Path, what: &str) -> Error {
+    Input::new(format!("could not be written: {what}")).file(path).into()
+}
+
+/// [`target`]; an error if that file was read.
+fn destination(path: &Path) -> Result<Option<PathBuf>> {
+    match target(path).map_err(|what| unwritten(path, &what))? {
+        Some(place) if was_read(&place) => {
+            Err(unwritten(path, "it was read to make this; give the output another name"))
+        }
+        place => Ok(place),
+    }
 }
 
 /// Most symbolic links that are followed one after another, as many as Linux follows.
@@ -109,10 +120,9 @@ fn beside(path: &Path) -> Part {
 pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>) -> Result<()> {
     let mut before: Vec<(&str, PathBuf)> = Vec::new();
     for (key, path) in paths.into_iter().filter_map(|(key, path)| Some((key, path?))) {
-        let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path);
-        let Some(place) = target(path).map_err(fault)? else { continue };
+        let Some(place) = target(path).map_err(|what| unwritten(path, &what))? else { continue };
         let part = beside(&place);
-        std::fs::write(part.path(), "").map_err(|error| fault(error.to_string()))?;
+        std::fs::write(part.path(), "").map_err(|error| unwritten(path, &error.to_string()))?;
         // The folder exists; an empty name is the current one.
         let folder = part.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_default();
@@ -123,6 +133,27 @@ pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>
         before.push((key, place));
     }
     Ok(())
+}
+
+/// Appends bytes to a file in one piece, so that those of programs which append at the same time do not mix. If only a
+/// part of them can be written, it is taken back.
+pub fn append(path: &Path, bytes: &[u8]) -> Result<()> {
+    destination(path)?;
+    let open = std::fs::OpenOptions::new().create(true).append(true).open(path);
+    let add = |mut file: std::fs::File| {
+        let before = file.metadata()?.len();
+        let written = file.write(bytes)?;
+        // Another program may have appended since.
+        if written < bytes.len() && file.metadata()?.len() == before + written as u64 {
+            file.set_len(before)?;
+        }
+        Ok(written)
+    };
+    match open.and_then(add) {
+        Ok(written) if written == bytes.len() => Ok(()),
+        Ok(written) => Err(unwritten(path, &format!("there is room for {written} of {} bytes only", bytes.len()))),
+        Err(error) => Err(unwritten(path, &error.to_string())),
+    }
 }
 
 /// [`write_atomically`] for a library's encoder. It encodes to memory, because encoders may overlook that the last
@@ -196,6 +227,20 @@ mod tests {
         std::fs::set_permissions(at("d.png"), mode).unwrap();
         assert!(write("d.png").unwrap_err().to_string().contains("d.png: could not be written: it is write-protected"));
         assert_eq!(std::fs::read_to_string(at("d.png")).unwrap(), "old");
+    }
+
+    #[test]
+    fn what_was_read_is_neither_replaced_nor_added_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        append(&path, b"one\n").unwrap();
+        append(&path, b"two\n").unwrap();
+        assert_eq!(crate::scene::Files::on_disk(1 << 20).read(&path, 1).unwrap(), b"one\ntwo\n");
+        let write = |part: &Path| std::fs::write(part, "three").map_err(|e| e.to_string());
+        for refused in [append(&path, b"three\n"), write_atomically(&path, write)] {
+            assert!(refused.unwrap_err().to_string().contains("a.obj: could not be written: it was read to make this"));
+        }
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "one\ntwo\n");
     }
 
     #[test]

@@ -279,8 +279,9 @@ fn coverage_is_of_what_ran() {
     assert_eq!(state("instruction", "OpFMul"), ["executed", "sliver"]);
     assert_eq!(state("capability", "Shader"), ["executed", "sliver"]);
     assert_eq!(state("instruction of GLSL.std.450", "Sinh"), ["not reached", ""]);
-    assert_eq!(state("instruction", "OpImageWrite"), ["in no kernel", ""]);
+    assert_eq!(state("instruction", "OpImageWrite"), ["in no kernel that ran", ""]);
     assert!(state("limit", "bytes of push constants")[0].contains(" of "), "{text}");
+    assert!(state("limit", "groups of a direct dispatch, first dimension")[0].contains(" of "), "{text}");
     assert_eq!(state("feature", "scalarBlockLayout"), ["in use", ""]);
     bad(&here, &format!("{line} --coverage c.csv --isolate"), 2, &["--coverage", "--isolate"]);
 }

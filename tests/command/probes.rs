@@ -20,10 +20,10 @@ fn probes_are_part_of_a_run() {
     let line = "conform --fixture sliver --no-validation --stage push";
     for more in ["", " --isolate"] {
         let (out, _) = good(&here, &format!("{line} --json a.json{more}"));
-        assert!(out.contains("of 11 probes of") && out.contains("1 comparisons, all conform"), "{out}");
+        assert!(out.contains("of 15 probes of") && out.contains("1 comparisons, all conform"), "{out}");
         let whole: Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
         let probes = whole["run"]["devices"][0]["probes"].as_array().unwrap();
-        assert!(probes.len() == 11 && probes.iter().all(|probe| probe["needed"] == false || probe["right"] == true));
+        assert!(probes.len() == 15 && probes.iter().all(|probe| probe["needed"] == false || probe["right"] == true));
         // The guide's table has them all.
         let guide = include_str!("../../src/guide/drivers.md");
         for probe in probes {
@@ -67,6 +67,36 @@ fn probes_are_part_of_a_run() {
     assert_eq!(output.status.code(), Some(1), "{:?}", said(&output));
     let found = results(&here, "c.json");
     assert!(found.len() == 2 && found[0]["verdict"] == "hung" && found[0]["fixture"] == "probes", "{found:?}");
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn each_probe_tells_its_own_fault() {
+    let here = folder(&[]);
+    let (mut source, _) = good(&here, "shader measure/probe");
+    for (old, new) in [
+        ("uint(parts[k] == gl_SubgroupID)", "uint(parts[k] == gl_SubgroupID && k % 2 == 0)"),
+        ("if (count >= last)", "if (count > last)"),
+        ("before < 0 ? 7u", "before < 0 ? 8u"),
+        ("found * 5 + k", "found * 5"),
+    ] {
+        assert!(source.contains(old), "{source}");
+        source = source.replace(old, new);
+    }
+    std::fs::write(here.path().join("probe.comp"), source).unwrap();
+    let line = "conform --fixture sliver --no-validation --stage push --json a.json --replace measure/probe=probe.comp";
+    assert_eq!(program(&here, line).output().unwrap().status.code(), Some(1));
+    let whole: Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
+    let probes = whole["run"]["devices"][0]["probes"].as_array().unwrap();
+    for (name, found) in [
+        ("full-subgroups", "partly filled in 64 of 64"),
+        ("loop-bounds", "wrong in "),
+        ("guarded-reads", "wrong in 1 of 64 lanes: lane 0 has 0x8, not 0x7"),
+        ("private-arrays", "wrong in 64 of 64"),
+    ] {
+        let probe = probes.iter().find(|probe| probe["name"] == name).unwrap();
+        assert!(probe["found"].as_str().unwrap().starts_with(found), "{probe}");
+    }
 }
 
 #[test]

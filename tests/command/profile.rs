@@ -101,7 +101,6 @@ fn a_profile_times_each_kernel() {
     ] {
         bad(&here, &line, 2, &["--by kernel", words]);
     }
-    bad(&here, &format!("profile {SMALL} --frames 1 --device cpu --roofline r.svg"), 2, &["--roofline", "found cpu"]);
 }
 
 #[test]
@@ -116,6 +115,11 @@ fn a_profile_on_the_cpu_has_times_only() {
     assert!(out.contains("texture_blur"), "{out}");
     bad(&here, "profile sphere --frames 0", 2, &["--frames"]);
     bad(&here, "profile nowhere.toml", 2, &["nowhere.toml"]);
+    // Before anything is measured.
+    let drawn = format!("profile {SMALL} --frames 1 --roofline r.svg");
+    let cpu = bad(&here, &format!("{drawn} --device cpu"), 2, &["--roofline: measures a Vulkan device; found the CPU"]);
+    assert_eq!(cpu.lines().count(), 1, "{cpu}");
+    bad(&here, &format!("{drawn} --by dispatch"), 2, &["--roofline: what kernels do is not", "found --by dispatch"]);
 }
 
 #[test]

@@ -106,9 +106,59 @@ fn a_history_of_runs_is_drawn() {
     let csv = read(&here, "r/history-1.csv");
     let runs: Vec<&str> = csv.lines().map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(runs, ["run", "1", "3"], "{csv}");
-    bad(&here, "report -o q --device cpu --only history", 2, &["--only: there are no runs to draw", "--history FILE"]);
+    bad(
+        &here,
+        "report -o q --device cpu --only history",
+        2,
+        &["--only: this section shows what a file has", "--history FILE"],
+    );
+    bad(
+        &here,
+        "report -o q --device cpu --only devices --history h.jsonl",
+        2,
+        &["--history: no section draws", "h.jsonl"],
+    );
     std::fs::write(here.path().join("h.jsonl"), format!("{text}[]\n")).unwrap();
     bad(&here, "report -o q --device cpu --only history --history h.jsonl", 2, &["h.jsonl:4: not a run"]);
+}
+
+#[test]
+fn no_line_is_appended_to_another_file() {
+    let (scene, _) = good(&folder(&[]), "scenes sphere");
+    let here = folder(&[("s.toml", &scene), ("torn.jsonl", "{}")]);
+    let set = "--set object.0.detail=0 --set camera.size=[8,8] --device cpu --frames 1";
+    for (line, words) in [
+        (
+            "s.toml --history s.toml",
+            &["s.toml:1: not a run", "expected lines that `milkglass profile --history` writes"][..],
+        ),
+        ("sphere --history torn.jsonl", &["torn.jsonl:1: not a run"]),
+        ("sphere --history no/such.jsonl", &["no/such.jsonl: could not be written"]),
+        ("sphere --save a --history a", &["--history: the same file as --json", "found a"]),
+    ] {
+        // Found before anything is measured.
+        let err = bad(&here, &format!("profile {line} {set}"), 2, words);
+        assert_eq!(err.lines().count(), 1, "{err}");
+    }
+    assert!(read(&here, "s.toml") == scene && read(&here, "torn.jsonl") == "{}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_line_that_does_not_fit_is_taken_back() {
+    let here = folder(&[]);
+    let line =
+        "profile sphere --set object.0.detail=0 --set camera.size=[8,8] --device cpu --frames 1 --history h.jsonl";
+    good(&here, line);
+    let before = read(&here, "h.jsonl");
+    // No file may be longer than the first line, and a part of the second one.
+    let blocks = before.len() / 512 + 1;
+    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec {} {line}", env!("CARGO_BIN_EXE_milkglass"));
+    let output = std::process::Command::new("sh").current_dir(here.path()).args(["-c", &script]).output().unwrap();
+    let (out, err) = said(&output);
+    assert!(output.status.code() == Some(2) && err.contains("h.jsonl: could not be written: "), "{out}{err}");
+    assert_eq!(read(&here, "h.jsonl"), before);
+    good(&here, line);
 }
 
 #[test]
@@ -123,6 +173,9 @@ fn files_that_do_not_fit_are_refused() {
         ("profile --compare a.json d.json", &["d.json:1", "not JSON"]),
         ("profile --compare a.json nowhere.json", &["nowhere.json", "could not be read"]),
         ("profile --compare a.json", &["SCENE", "no scene is given"]),
+        ("profile --compare a.json a.json --history h", &["--history: nothing is measured", "two files of --compare"]),
+        ("profile --compare a.json a.json --roofline r.svg", &["--roofline: nothing is measured"]),
+        ("profile --compare a.json a.json --save b.json", &["--json: nothing is measured"]),
         ("profile", &["SCENE", "no scene is given"]),
         ("profile lotus --device cpu --compare nowhere.json", &["nowhere.json"]),
         ("profile sphere --until 5", &["--until", "0.01% to 50%"]),

@@ -246,7 +246,8 @@ fn an_oracle_is_replaced_wherever_it_is_included() {
     let sweep = format!("pareto a.toml --quick --methods links --samples 20 --replace {ORACLE}=");
     bad(&here, &format!("{sweep}coarser.glsl"), 1, &["the replaced stage refine gives other values"]);
     let (out, err) = good(&here, &format!("{sweep}coarser.glsl --unchecked --csv a.csv --svg a.svg"));
-    assert!(err.contains("refine: other values than the reference: what follows is unproved"), "{out}{err}");
+    let first = "refine: other values than the reference, so what follows is unproved: refine of object 0";
+    assert!(err.contains(first), "{out}{err}");
     assert!(out.contains("links, unproved") && read(&here, "a.svg").contains("links, unproved (angle)"), "{out}");
     let text = read(&here, "a.csv");
     let mut rows = csv::Reader::from_reader(text.as_bytes());
@@ -254,6 +255,9 @@ fn an_oracle_is_replaced_wherever_it_is_included() {
     let place = |name: &str| head.iter().position(|column| column == name).unwrap();
     let (method, links, error) = (place("method"), place("links_per_face"), place("own_l2"));
     let rows: Vec<csv::StringRecord> = rows.records().map(|row| row.unwrap()).collect();
+    // What conforms is proved, whatever was allowed.
+    let (out, _) = good(&here, &format!("{sweep}same.glsl --unchecked"));
+    assert!(out.contains("links, replaced") && !out.contains("unproved"), "{out}");
     let values = |name: &str, column: usize| -> Vec<f64> {
         rows.iter().filter(|row| &row[method] == name).map(|row| row[column].parse().unwrap()).collect()
     };
@@ -268,4 +272,25 @@ fn an_oracle_is_replaced_wherever_it_is_included() {
     bad(&here, &twice, 2, &["replaced twice", "found transport/links/refine/count"]);
     std::fs::write(here.path().join("a.spv"), [0; 8]).unwrap();
     bad(&here, &format!("{sweep}a.spv"), 2, &["is a part of kernels", "found SPIR-V"]);
+}
+
+/// The edge form is in kernels of several methods, and only that of blocks has its nodes as a constant.
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn a_file_is_proved_in_the_kernels_of_every_method() {
+    const EDGE: &str = "dipole/form_factor/edge.glsl";
+    let here = folder(&[("a.toml", BALL)]);
+    let (text, _) = good(&here, &format!("shader {EDGE}"));
+    let end = "    return 2 * k < NODES";
+    assert!(text.contains(end), "{text}");
+    let others = format!("#ifdef NODES\n    outer *= 0.9;\n#endif\n{end}");
+    std::fs::write(here.path().join("others.glsl"), text.replace(end, &others)).unwrap();
+    std::fs::write(here.path().join("same.glsl"), text).unwrap();
+    let sweep = format!("pareto a.toml --quick --methods blocks --samples 20 --replace {EDGE}=");
+    let err = bad(&here, &format!("{sweep}others.glsl"), 1, &["gather: ", "words conform", "stage:   brute"]);
+    // Nothing but `eval` runs this one.
+    let idle = err.lines().find(|line| line.contains("as nothing here runs it: ")).unwrap();
+    assert!(idle.contains("transport/evaluate") && !idle.contains("transport/brute/near"), "{idle}");
+    let (out, err) = good(&here, &format!("{sweep}same.glsl"));
+    assert!(out.contains("blocks, replaced") && err.contains("brute: "), "{out}{err}");
 }

@@ -1,6 +1,6 @@
 //! `milkglass report` run as a program: a complete page without external references, and what is refused.
 
-use crate::shell::{bad, folder, good, names, read};
+use crate::shell::{bad, folder, good, names, read, said};
 use milkglass::measure::report::SECTIONS;
 
 /// Tags without an end tag.
@@ -45,7 +45,15 @@ fn what_can_not_be_done_is_refused_before_anything_is_measured() {
     bad(&here, "report -o r --only devices,colours", 2, &["--only: no such section; found colours", "pareto, modes"]);
     bad(&here, "report -o r --device nothing", 3, &["looking for device \"nothing\""]);
     bad(&here, "report -o r --only mertens/table9", 2, &["--only: no such section", "mertens/table5"]);
-    bad(&here, "report file -o r --only devices", 2, &["only tables of Mertens", "found file"]);
+    for line in ["--only devices", "--only mertens/table3", "--only mertens --quick", "--quick"] {
+        bad(&here, &format!("report file -o r {line}"), 2, &["no section measures meshes", "found file"]);
+    }
+    // Before the device is opened, and the folder made.
+    bad(&here, "report gone.obj -o r --only mertens/table4 --device nothing", 2, &["found gone.obj"]);
+    for key in ["--history", "--from"] {
+        let said = format!("{key}: no section shows this");
+        bad(&here, &format!("report -o r --only devices {key} file"), 2, &[&said, "found file"]);
+    }
     bad(&here, "report", 2, &["-o"]);
     bad(&here, "report -o r --only day", 2, &["--only: this section shows what a file has", "expected --from DAY"]);
     bad(&here, "report -o r --from no", 2, &["no/summary.txt: could not be read", "day.tar.gz"]);
@@ -110,6 +118,58 @@ fn a_table_or_figure_comes_by_its_name() {
     let page = read(&here, "r/index.html");
     assert!(page.contains("<section id=\"mertens/figure3\">") && !page.contains("Tables 3, 4 and 5"), "{page}");
     assert_eq!(names(&here.path().join("r")), ["figure-3.csv", "figure-4.csv", "index.html"]);
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn tables_of_mertens_come_for_a_mesh_too() {
+    let here = folder(&[("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")]);
+    good(&here, "report one.obj -o r --quick --only mertens/table3,mertens/table4,mertens/table5");
+    let page = read(&here, "r/index.html");
+    for (section, tables) in [
+        ("mertens/table3", &["table-3-sphere", "table-3-lotus"][..]),
+        ("mertens/table4", &["table-4"]),
+        ("mertens/table5", &["table-5", "table-5-mesh-1"]),
+    ] {
+        let (_, from) = page.split_once(&format!("<section id=\"{section}\">")).unwrap();
+        let own = values(from.split("</section>").next().unwrap(), "href");
+        let files: Vec<String> = tables.iter().map(|name| format!("{name}.csv")).collect();
+        assert_eq!(own, files, "{section}");
+    }
+    assert!(read(&here, "r/table-4.csv").lines().last().unwrap().starts_with("-,-,-,-,-,one,"));
+    let csv = read(&here, "r/table-5-mesh-1.csv");
+    assert!(csv.starts_with("meters,") && csv.lines().count() == read(&here, "r/table-5.csv").lines().count(), "{csv}");
+}
+
+/// A report whose second section is a file too large is an interrupted one, which goes on there.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_report_goes_on() {
+    let here = folder(&[("h.jsonl", include_str!("../results/1/history.jsonl"))]);
+    let line = "report -o r --device cpu --only devices,history --history h.jsonl";
+    let script = format!("trap '' XFSZ; ulimit -f 40; exec {} {line}", env!("CARGO_BIN_EXE_milkglass"));
+    let output = std::process::Command::new("sh").current_dir(here.path()).args(["-c", &script]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{:?}", said(&output));
+    assert!(read(&here, "r/index.html").contains("Unfinished: 1 of 2 sections"));
+    for (other, key) in
+        [("report -o r --device cpu --only devices", "sections"), (&format!("{line} --quick"), "extent")]
+    {
+        bad(&here, &format!("{other} --resume"), 2, &[&format!("r/unfinished.json: {key}: the interrupted report is")]);
+    }
+    let (_, err) = good(&here, &format!("{line} --resume"));
+    assert!(err.contains("2/2 history") && !err.contains("devices"), "{err}");
+    let resumed = read(&here, "r/index.html");
+    assert_eq!(
+        names(&here.path().join("r")),
+        ["devices.csv", "history-1.csv", "history-2.csv", "history-3.csv", "index.html"]
+    );
+    bad(&here, &format!("{line} --resume"), 2, &["r/unfinished.json", "expected the folder of an interrupted report"]);
+    // The page is that of a report in one go, but for the seconds that its sections took.
+    good(&here, line);
+    let untimed = |page: &str| -> Vec<String> {
+        page.lines().filter(|line| !line.contains("class=\"took\"")).map(String::from).collect()
+    };
+    assert_eq!(untimed(&resumed), untimed(&read(&here, "r/index.html")));
 }
 
 #[test]

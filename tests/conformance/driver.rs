@@ -81,7 +81,7 @@ fn the_loop_that_no_kernel_may_have_is_wrong_where_it_is_known_to_be() {
 fn probes_agree_with_what_is_known() {
     on_devices(|device| {
         let facts = probe(device).unwrap();
-        assert_eq!(facts.len(), 11);
+        assert_eq!(facts.len(), 15);
         for fact in facts.iter().filter(|fact| fact.needed) {
             assert!(fact.right, "{}: {fact:?}", device.name());
         }

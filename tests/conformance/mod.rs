@@ -1,5 +1,6 @@
 //! Every device against the reference, and the behaviour of devices, drivers and limits.
 
+mod coverage;
 mod driver;
 mod exact;
 mod faults;

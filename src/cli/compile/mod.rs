@@ -39,6 +39,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         families.iter().try_for_each(|(family, _)| create(&folder.join(family)))?;
     }
     let wanted = wanted(arguments)?;
+    // Faults of shaders are told here, once, and not by each child.
     arguments.replace.load()?;
     let run = wanted.iter().map(|wanted| wanted.kernel.clone()).collect();
     if let Some(fault) = arguments.replace.unused(&run, "the scene") {

@@ -1,6 +1,7 @@
 //! Comparisons in this process.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use super::arguments::{Arguments, again, failure};
 use super::choose::Choice;
@@ -20,10 +21,8 @@ use milkglass::measure::{probe, replace};
 pub(super) fn run(arguments: &Arguments, choices: &[Choice], open: &[Device], sink: &mut Sink) -> Result<()> {
     // Kernels that some fixture runs: those that are replaced must be among them.
     let mut run = BTreeSet::from([probe::NAME.to_string()]);
-    let mut covered: Vec<Coverage> = arguments.coverage.iter().flat_map(|_| open.iter().map(Coverage::new)).collect();
     for choice in choices {
         let fixture = choice.make(arguments)?;
-        covered.iter_mut().try_for_each(|coverage| coverage.add(&fixture))?;
         if !arguments.replace.pairs().is_empty() {
             run.extend(replace::kernels_of(&fixture, &open[0])?);
         }
@@ -34,10 +33,6 @@ pub(super) fn run(arguments: &Arguments, choices: &[Choice], open: &[Device], si
             }
         }
     }
-    if let Some(path) = &arguments.coverage {
-        covered.iter().try_for_each(|coverage| print(&coverage.text()))?;
-        write(path, table(&covered).csv()?)?;
-    }
     // A child runs one fixture, and a shard some of them: neither need run every kernel.
     let whose = match choices {
         [one] => one.name(),
@@ -45,8 +40,19 @@ pub(super) fn run(arguments: &Arguments, choices: &[Choice], open: &[Device], si
     };
     match arguments.replace.unused(&run, whose) {
         Some(fault) if !arguments.child && arguments.shard.is_none() => Err(fault.into()),
-        _ => Ok(()),
+        _ => arguments.coverage.iter().try_for_each(|path| cover(arguments, choices, open, path)),
     }
+}
+
+/// Says in a file what was executed, once everything is compared: kernels that count may be too much for a device.
+fn cover(arguments: &Arguments, choices: &[Choice], open: &[Device], path: &Path) -> Result<()> {
+    let mut covered: Vec<Coverage> = open.iter().map(Coverage::new).collect();
+    for choice in choices {
+        let fixture = choice.make(arguments)?;
+        covered.iter_mut().try_for_each(|coverage| coverage.add(&fixture))?;
+    }
+    covered.iter().try_for_each(|coverage| print(&coverage.text()))?;
+    write(path, table(&covered).csv()?)
 }
 
 /// Compares all stages of a fixture on a device, or only those of replaced kernels and those that were asked for.

@@ -133,20 +133,22 @@ impl Arguments {
         Settings { frames, until, traces, ..*settings }
     }
 
-    /// The files that are written whole, with their options.
-    pub(super) fn files(&self) -> [(&'static str, Option<&PathBuf>); 5] {
+    /// The files that are written, with their options.
+    pub(super) fn files(&self) -> [(&'static str, Option<&PathBuf>); 6] {
         [
             ("--csv", self.csv.as_ref()),
             ("--json", self.save.as_ref()),
             ("--trace", self.trace.as_ref()),
             ("--junit", self.gate.junit.as_ref()),
             ("--roofline", self.roofline.as_ref()),
+            ("--history", self.history.as_ref()),
         ]
     }
 
-    /// Fails if there are several devices and an option that goes with one only.
+    /// Fails if options do not go together.
     pub(super) fn check(&self) -> Result<()> {
-        let given = [
+        let refused = |key: &str, what: &str| Input::new(what).key(key);
+        let one = [
             ("--csv", self.csv.is_some()),
             ("--trace", self.trace.is_some()),
             ("--why", self.why),
@@ -156,26 +158,41 @@ impl Arguments {
             ("--compare", !self.compare.is_empty()),
             ("--against", self.against.is_some()),
         ];
-        match given.iter().find(|(_, given)| *given && self.device.len() > 1) {
-            Some((key, _)) => {
-                let fault = Input::new("goes with one device only").key(*key);
-                Err(fault.found(format!("{} of --device", self.device.len())).into())
+        if let Some((key, _)) = one.iter().find(|(_, given)| *given && self.device.len() > 1) {
+            let found = format!("{} of --device", self.device.len());
+            return Err(refused(key, "goes with one device only").found(found).into());
+        }
+        let written = self.files().into_iter().find(|(key, file)| *key != "--junit" && file.is_some());
+        if let (Some((key, _)), 2) = (written, self.compare.len()) {
+            let fault = refused(key, "nothing is measured").found("two files of --compare");
+            return Err(fault.expected("one of them and a scene").into());
+        }
+        if self.roofline.is_some() && self.by == By::Dispatch {
+            let fault = refused("--roofline", "what kernels do is not counted for each of their dispatches");
+            return Err(fault.found(self.by.option()).expected(By::Kernel.option()).into());
+        }
+        let Some(key) = self.gate.idle(self.several(), !self.replace.pairs().is_empty()) else { return Ok(()) };
+        let (what, expected) = match key {
+            "--fail-work" => ("only kernels that are replaced are counted", "--replace KERNEL=FILE"),
+            "--junit" => ("nothing is held to a limit", "--fail-slower or --fail-work"),
+            _ => ("nothing is compared", "--replace, --against, --compare, or several of --device"),
+        };
+        Err(refused(key, what).expected(expected).into())
+    }
+
+    /// Fails if the device has not what an option needs.
+    pub(super) fn suits(&self, device: Option<&Device>) -> Result<()> {
+        let needs = [("--why", self.why), ("--roofline", self.roofline.is_some())];
+        match (needs.iter().find(|(_, given)| *given), device) {
+            (Some((key, _)), None) => {
+                let fault = Input::new("measures a Vulkan device").key(*key).found("the CPU");
+                Err(fault.expected("a device that `milkglass devices` lists").into())
             }
-            None => match self.gate.idle(self.several(), !self.replace.pairs().is_empty()) {
-                Some("--fail-work") => {
-                    let fault = Input::new("only kernels that are replaced are counted").key("--fail-work");
-                    Err(fault.expected("--replace KERNEL=FILE").into())
-                }
-                Some("--junit") => {
-                    let fault = Input::new("nothing is held to a limit").key("--junit");
-                    Err(fault.expected("--fail-slower or --fail-work").into())
-                }
-                Some(key) => {
-                    let fault = Input::new("nothing is compared").key(key);
-                    Err(fault.expected("--replace, --against, --compare, or several of --device").into())
-                }
-                None => Ok(()),
-            },
+            (Some(_), Some(device)) if self.roofline.is_some() && device.limits().timestamp_period <= 0.0 => {
+                let fault = Input::new("draws rates by the device's timestamps").key("--roofline");
+                Err(fault.found(format!("none of {}", device.name())).into())
+            }
+            _ => Ok(()),
         }
     }
 

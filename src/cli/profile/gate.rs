@@ -84,7 +84,14 @@ impl Gate {
             found: format!("{:.3}, {:.3}..{:.3}", row.ratio.value, row.ratio.low, row.ratio.high),
             failure: failure(row),
         };
-        rows.iter().filter(counts).map(held).collect()
+        match rows.iter().filter(counts).map(held).collect::<Vec<_>>() {
+            // As on a device without timestamps, whose stages have no times.
+            none if none.is_empty() => {
+                let failure = Some(format!("--fail-slower: {name}: no stage has a time to compare"));
+                vec![Held { suite: name.into(), name: "all".into(), found: String::new(), failure }]
+            }
+            held => held,
+        }
     }
 
     /// What is beyond the limit of work where nothing was counted.
@@ -170,6 +177,13 @@ mod tests {
         let told = failures(&strict.times("B", &rows, &edited));
         assert!(told.len() == 3 && told[1].contains("push may be more than 2 % slower: 0.990..1.030"), "{told:?}");
         assert!(Gate::default().times("B", &rows, &[]).is_empty());
+        // Without timestamps only the frame has a time.
+        let told = failures(&Gate { fail_slower: Some(0.02), ..Gate::default() }.times(
+            "B",
+            &[row("frame", 0.9, 1.0)],
+            &edited,
+        ));
+        assert_eq!(told, ["--fail-slower: B: no stage has a time to compare"]);
     }
 
     #[test]

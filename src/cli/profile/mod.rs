@@ -27,7 +27,7 @@ use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::profile::file::{Saved, Subject, read};
-use milkglass::measure::profile::history::Entry;
+use milkglass::measure::profile::history::{self, Entry};
 use milkglass::measure::profile::roofline;
 use milkglass::measure::profile::why::why;
 use milkglass::measure::profile::{Open, Profile, Settings, against, agreement, profile, result, variant, work};
@@ -40,10 +40,11 @@ use milkglass::scene::Scene;
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.check()?;
     ready(arguments.files())?;
+    arguments.history.iter().try_for_each(|path| history::ready(path))?;
     if let [first, second] = arguments.compare.as_slice() {
         let (one, two) = (read(first)?, read(second)?);
         let held = arguments.gate.times("B against A", &files((&one, first), (&two, second))?, &[]);
-        return end(arguments, &held, &[("A", one.origin()), ("B", two.origin())]);
+        return judge(arguments, &held, &[("A", one.origin()), ("B", two.origin())]);
     }
     let settings = arguments.settings();
     if settings.options.mode == Mode::Incremental && settings.change == Change::EVERYTHING && !arguments.serve {
@@ -65,11 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.serve {
         return serve(&scene, device.as_ref(), &settings);
     }
-    if arguments.why && device.is_none() {
-        let fault = Input::new("measures a Vulkan device").key("--why").found("the CPU");
-        return Err(fault.expected("a device that `milkglass devices` lists").into());
-    }
-    let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)], false)?;
+    arguments.suits(device.as_ref())?;
+    let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)], false)?.map(|(device, _)| device);
     let mut comparison = match &own {
         Some(after) => replacement(arguments, &scene, (device.as_ref(), after), &settings)?,
         None => Comparison::default(),
@@ -94,7 +92,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(why) = &reasons {
         json["why"] = json!(why);
     }
-    save(arguments, &saved, json, comparison)
+    save(arguments, &saved, json, &comparison)?;
+    arguments.roofline.iter().try_for_each(|path| draw(path, &found))?;
+    end(arguments, &saved, &comparison.held)
 }
 
 /// Samples of a few frames of what another run timed, on this device; the CPU if there is none.
@@ -105,7 +105,7 @@ pub(super) fn timed_again(subject: &Subject, device: Option<&Device>) -> Result<
     Ok(profile(&scene, device.as_ref(), &arguments.settings())?.samples)
 }
 
-/// Writes the requested files but that of `--save`; returns what that has of the profile.
+/// Writes the files of `--csv` and `--trace`, if they were requested; returns what that of `--save` has of the profile.
 fn write_files(arguments: &Arguments, found: &Profile) -> Result<Value> {
     if let Some(path) = &arguments.csv {
         write(path, found.csv()?)?;
@@ -113,14 +113,15 @@ fn write_files(arguments: &Arguments, found: &Profile) -> Result<Value> {
     if let Some(path) = &arguments.trace {
         write(path, format!("{}\n", found.trace()))?;
     }
-    if let Some(path) = &arguments.roofline {
-        let fault = |why: &str| Input::new(why).key("--roofline").found(found.device.as_str());
-        match roofline(found)? {
-            Some(drawing) => write(path, drawing)?,
-            None => return Err(fault("no work was counted, or no rate measured").expected("a Vulkan device").into()),
-        }
-    }
     Ok(found.json())
+}
+
+/// Writes the file of `--roofline`.
+fn draw(path: &Path, found: &Profile) -> Result<()> {
+    match roofline(found)? {
+        Some(drawing) => write(path, drawing),
+        None => Err(Input::new("no row has counts of floats and bytes").key("--roofline").found(&found.scene).into()),
+    }
 }
 
 /// Times the user's own kernels against the built-in ones.
@@ -165,7 +166,9 @@ fn builds(arguments: &Arguments, program: &Path, settings: &Settings) -> Result<
     let mut starters = [starter("this build", &own), starter("other build", program)];
     let Measured { samples, .. } = compare(&mut starters, &settings.schedule(), &[], &mut foretold(settings))?;
     let comparison = compared(arguments, &samples, settings)?;
-    save(arguments, &arguments.saved(&device, &driver, samples), json!({}), comparison)
+    let saved = arguments.saved(&device, &driver, samples);
+    save(arguments, &saved, json!({}), &comparison)?;
+    end(arguments, &saved, &comparison.held)
 }
 
 /// Times several devices side by side.
@@ -191,7 +194,9 @@ fn devices(arguments: &Arguments, names: &[String], scene: &Scene, settings: &Se
     let Measured { samples, .. } = against(scene, &devices, settings, &[], &mut foretold(settings))?;
     let comparison = compared(arguments, &samples, settings)?;
     let [name, driver] = described(opened[0].as_ref());
-    save(arguments, &arguments.saved(name, driver, samples), json!({}), comparison)
+    let saved = arguments.saved(name, driver, samples);
+    save(arguments, &saved, json!({}), &comparison)?;
+    end(arguments, &saved, &comparison.held)
 }
 
 /// What devices of these numbers in `milkglass devices` are called; the CPU has none.
@@ -256,25 +261,26 @@ fn compared(arguments: &Arguments, samples: &Samples, settings: &Settings) -> Re
     Ok(Comparison { json: rows.map(|(name, rows)| json!({"variant": name, "rows": rows})).collect(), held })
 }
 
-/// Writes the files of `--save` and `--history`, if they were requested; fails if the comparison is beyond a limit.
-fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: Comparison) -> Result<()> {
+/// Writes the files of `--save` and `--history`, if they were requested.
+fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: &Comparison) -> Result<()> {
     if let Some(path) = &arguments.save {
         let fault = |error: serde_json::Error| Error::from(Input::new(error.to_string()).file(path));
         if let (Value::Object(all), Value::Object(own)) = (&mut value, serde_json::to_value(saved).map_err(fault)?) {
             all.extend(own);
-            all.insert("comparison".into(), comparison.json);
+            all.insert("comparison".into(), comparison.json.clone());
         }
         write(path, format!("{value:#}\n"))?;
     }
-    if let Some(path) = &arguments.history {
-        Entry::of(saved, now()).append(path)?;
-    }
-    let subject = [("run", saved.origin()), ("scene", saved.subject.scene.clone()), ("system", system())];
-    end(arguments, &comparison.held, &subject)
+    arguments.history.iter().try_for_each(|path| Entry::of(saved, now()).append(path))
+}
+
+/// Ends a run that was saved.
+fn end(arguments: &Arguments, saved: &Saved, held: &[Held]) -> Result<()> {
+    judge(arguments, held, &[("run", saved.origin()), ("scene", saved.subject.scene.clone()), ("system", system())])
 }
 
 /// Writes the file of `--junit`, if it was requested; fails if something is beyond a limit.
-fn end(arguments: &Arguments, held: &[Held], properties: &[(&str, String)]) -> Result<()> {
+fn judge(arguments: &Arguments, held: &[Held], properties: &[(&str, String)]) -> Result<()> {
     if let Some(path) = &arguments.gate.junit {
         junit::put(path, held, properties)?;
     }

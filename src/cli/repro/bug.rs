@@ -1,6 +1,5 @@
 //! `replay --bug`: a report of a case for the developers of a driver.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::cli::run_args::quoted;
@@ -24,8 +23,7 @@ pub(super) fn report(
     (command, replaced): (&str, &[String]),
 ) -> Result<String> {
     let about = &case.about;
-    let kernels: BTreeSet<&str> = case.dispatches.iter().map(|dispatch| dispatch.kernel.as_str()).collect();
-    let kernels = kernels.into_iter().collect::<Vec<_>>().join(", ");
+    let kernels = case.kernels().into_iter().collect::<Vec<_>>().join(", ");
     let (what, lines) = match ended {
         Ok(found) if found.passes() => ("conforms", vec![format!("{} words are as expected", found.words)]),
         Ok(found) if found.wrong.is_empty() => ("breaks a rule of Vulkan", found.messages.clone()),

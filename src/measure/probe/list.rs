@@ -23,7 +23,7 @@ const NEAR: f32 = 1.0 + 1.0 / 4096.0;
 /// The values that most probes share; each has its own name and answer.
 const PLAIN: Probe = Probe { name: "", what: "", needed: true, terms: [0.0; 3], answer: |_, _| 0, other: |_| None };
 
-pub(super) const PROBES: [Probe; 11] = [
+pub(super) const PROBES: [Probe; 15] = [
     Probe {
         name: "nested-loops",
         what: "nested loops, where a variable of the inner one indexes a buffer after it",
@@ -117,6 +117,50 @@ pub(super) const PROBES: [Probe; 11] = [
         needed: false,
         answer: |inputs, lane| PUSHED[inputs.numbers[lane] as usize % PUSHED.len()],
         other: |found| (found == 0).then_some("zero"),
+        ..PLAIN
+    },
+    Probe {
+        name: "full-subgroups",
+        what: "subgroups have as many invocations as they say",
+        answer: |_, _| 64,
+        other: |found| (found < 64).then_some("partly filled"),
+        ..PLAIN
+    },
+    Probe {
+        name: "loop-bounds",
+        what: "loops that a counter of 64 bits bounds, which goes up",
+        needed: false,
+        answer: |inputs, lane| {
+            let (last, mut count, mut rounds) = (inputs.numbers[lane] % ROWS as u32, 0, 1);
+            while count < last {
+                count += 1 + (inputs.numbers[count as usize * LANES + lane] & 1);
+                rounds += 1;
+            }
+            count + rounds
+        },
+        ..PLAIN
+    },
+    Probe {
+        name: "guarded-reads",
+        what: "shared memory is not read at index -1, which a condition keeps off",
+        needed: false,
+        answer: |inputs, lane| lane.checked_sub(1).map_or(7, |before| inputs.numbers[before]),
+        ..PLAIN
+    },
+    Probe {
+        name: "private-arrays",
+        what: "1 KiB of each invocation's own memory, indexed by variables",
+        needed: false,
+        answer: |inputs, lane| {
+            let mut kept: Vec<u32> = (0..256).map(|row| inputs.numbers[row * LANES + lane]).collect();
+            let mut place = 0;
+            for k in 0..1000 {
+                let found = kept[place];
+                kept[place] = found.wrapping_mul(5).wrapping_add(k);
+                place = (found >> 3) as usize % 256;
+            }
+            kept.into_iter().fold(0, |sum: u32, word| sum.wrapping_mul(31).wrapping_add(word))
+        },
         ..PLAIN
     },
     Probe {

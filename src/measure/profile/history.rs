@@ -1,15 +1,15 @@
 //! A file of runs of `profile`, a line of JSON for each: the medians of its stages, and the curves they draw.
 
-use std::io::Write;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::file::{SCHEMA, Saved, Subject};
-use crate::error::{Error, Input, Result};
+use crate::error::{Input, Result};
 use crate::measure::plot::{Axis, Mark, Panel, Plot, Point, Series};
 use crate::measure::rounds::Samples;
 use crate::measure::table::{Column, Table};
+use crate::view::atomic_file::append;
 
 /// Most bytes of a file.
 const MOST: u64 = 1 << 28;
@@ -50,17 +50,10 @@ impl Entry {
         Self { date, run: Saved { samples: Samples::default(), ..run.clone() }, ms }
     }
 
-    /// Appends the line to a file, in one piece: runs that end at the same time do not mix.
+    /// Appends the line to a file, for which [`ready`] has been asked.
     pub fn append(&self, path: &Path) -> Result<()> {
-        let fault = |what: String| Error::from(Input::new(format!("could not be written: {what}")).file(path));
-        let line = serde_json::to_string(self).map_err(|error| fault(error.to_string()))? + "\n";
-        let open = std::fs::OpenOptions::new().create(true).append(true).open(path);
-        let mut file = open.map_err(|error| fault(error.to_string()))?;
-        match file.write(line.as_bytes()) {
-            Ok(written) if written == line.len() => Ok(()),
-            Ok(written) => Err(fault(format!("only {written} of the line's {} bytes", line.len()))),
-            Err(error) => Err(fault(error.to_string())),
-        }
+        let line = serde_json::to_string(self).map_err(|error| Input::new(error.to_string()).file(path))?;
+        append(path, (line + "\n").as_bytes())
     }
 
     /// The median of one of its rows.
@@ -69,32 +62,58 @@ impl Entry {
     }
 }
 
+/// An error if a file holds something else than runs, or its last line is not whole: no line may be appended to it.
+pub fn ready(path: &Path) -> Result<()> {
+    if !std::fs::metadata(path).is_ok_and(|known| known.is_file()) {
+        return Ok(());
+    }
+    let text = text(path)?;
+    parse(path, &text)?;
+    match text.lines().count() {
+        count if count > 0 && !text.ends_with('\n') => {
+            Err(fault(path, "the last line has no end".into()).line(count).into())
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The runs that a file holds.
 pub fn read(path: &Path) -> Result<Vec<Entry>> {
-    let fault = |what: String| Input::new(what).file(path).expected("lines that `milkglass profile --history` writes");
-    let known = std::fs::metadata(path).map_err(|error| fault(format!("could not be read: {error}")))?;
+    parse(path, &text(path)?)
+}
+
+fn fault(path: &Path, what: String) -> Input {
+    Input::new(what).file(path).expected("lines that `milkglass profile --history` writes")
+}
+
+fn text(path: &Path) -> Result<String> {
+    let unread = |error| fault(path, format!("could not be read: {error}"));
+    let known = std::fs::metadata(path).map_err(unread)?;
     if !known.is_file() || known.len() > MOST {
-        return Err(fault(format!("not a plain file of at most {MOST} bytes")).into());
+        return Err(fault(path, format!("not a plain file of at most {MOST} bytes")).into());
     }
-    let text = std::fs::read_to_string(path).map_err(|error| fault(format!("could not be read: {error}")))?;
-    let parse = |(k, line): (usize, &str)| -> Result<Entry> {
+    Ok(std::fs::read_to_string(path).map_err(unread)?)
+}
+
+fn parse(path: &Path, text: &str) -> Result<Vec<Entry>> {
+    let entry = |(k, line): (usize, &str)| -> Result<Entry> {
         let entry: Entry = serde_json::from_str(line)
-            .map_err(|error| fault(format!("not a run: {error}").replace(" at line 1", "")).line(k + 1))?;
+            .map_err(|error| fault(path, format!("not a run: {error}").replace(" at line 1", ",")).line(k + 1))?;
         match entry.run.schema {
             SCHEMA => Ok(entry),
             other => {
                 let what = format!("this version of the format is not known, but version {SCHEMA} is");
-                Err(fault(what).line(k + 1).key("schema").found(other).into())
+                Err(fault(path, what).line(k + 1).key("schema").found(other).into())
             }
         }
     };
-    text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).map(parse).collect()
+    text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).map(entry).collect()
 }
 
-/// Runs that timed the same on the same device, in their order.
+/// Runs that timed the same by the same kernels on the same device, in their order.
 pub struct Course<'a> {
-    /// What, and where.
-    pub subject: (&'a Subject, &'a str),
+    /// What, on which device, and by which kernels in place of built-in ones.
+    pub subject: (&'a Subject, &'a str, &'a [String]),
     /// The runs, with their numbers in the file from 1.
     pub runs: Vec<(usize, &'a Entry)>,
 }
@@ -104,7 +123,8 @@ pub struct Course<'a> {
 pub fn courses(entries: &[Entry]) -> Vec<Course<'_>> {
     let mut found: Vec<Course<'_>> = Vec::new();
     for (k, entry) in entries.iter().enumerate() {
-        let subject = (&entry.run.subject, entry.run.device.as_str());
+        let Saved { subject, device, replaced, .. } = &entry.run;
+        let subject = (subject, device.as_str(), replaced.as_slice());
         match found.iter_mut().find(|course| course.subject == subject) {
             Some(course) => course.runs.push((k + 1, entry)),
             None => found.push(Course { subject, runs: vec![(k + 1, entry)] }),
@@ -117,11 +137,12 @@ impl Course<'_> {
     /// The subject in a line.
     #[must_use]
     pub fn title(&self) -> String {
-        let (subject, device) = self.subject;
+        let (subject, device, replaced) = self.subject;
+        let replaced: String = replaced.iter().map(|pair| format!(", {pair}")).collect();
         let sets: String = subject.sets.iter().map(|set| format!(" {set}")).collect();
         let Subject { scene, change, mode, transport, .. } = subject;
         let by = subject.by();
-        format!("{scene}{sets}, {transport}, {mode}, change {change}, by {by}, on {device}")
+        format!("{scene}{sets}, {transport}, {mode}, change {change}, by {by}, on {device}{replaced}")
     }
 
     /// The rows to draw: the sum of all and the frame, and stages that once took 5 % of the sum or more.
@@ -193,12 +214,15 @@ mod tests {
     fn runs_are_appended_and_come_back_by_subject() {
         let here = tempfile::tempdir().unwrap();
         let path = here.path().join("history.jsonl");
-        let all = [entry("a", 1.0), entry("b", 2.0), entry("a", 1.5)];
+        let mut own = entry("a", 9.0);
+        own.run.replaced = vec!["push=my.comp".into()];
+        let all = [entry("a", 1.0), entry("b", 2.0), entry("a", 1.5), own];
         all.iter().for_each(|entry| entry.append(&path).unwrap());
         let found = read(&path).unwrap();
         assert_eq!(found, all);
         let found = courses(&found);
-        assert_eq!(found.iter().map(|course| course.runs.len()).collect::<Vec<_>>(), [2, 1]);
+        assert_eq!(found.iter().map(|course| course.runs.len()).collect::<Vec<_>>(), [2, 1, 1]);
+        assert!(found[2].title().ends_with(", push=my.comp") && !found[0].title().contains("push"));
         // `push` takes less than 5 % of all.
         assert_eq!(found[0].rows(), ["gather", "stages", "frame"]);
         let table = found[0].table();
@@ -208,6 +232,24 @@ mod tests {
         );
         let svg = found[0].svg().unwrap();
         assert!(svg.contains("gather") && svg.contains("median, ms") && !svg.contains("push"), "{svg}");
+    }
+
+    #[test]
+    fn a_file_of_others_takes_no_line() {
+        let here = tempfile::tempdir().unwrap();
+        let path = here.path().join("h");
+        ready(&path).unwrap();
+        entry("a", 1.0).append(&path).unwrap();
+        ready(&path).unwrap();
+        let good = std::fs::read_to_string(&path).unwrap();
+        let torn = format!("{good}{}", good.trim_end());
+        for (text, words) in [(torn.as_str(), "h:2: the last line has no end"), ("a = 1\n", "h:1: not a run")] {
+            std::fs::write(&path, text).unwrap();
+            let fault = ready(&path).unwrap_err();
+            assert!(fault.to_string().contains(words) && fault.exit_code() == 2, "{words}: {fault}");
+        }
+        std::fs::write(&path, "").unwrap();
+        ready(&path).unwrap();
     }
 
     #[test]

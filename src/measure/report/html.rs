@@ -1,15 +1,18 @@
 //! A section of the page as HTML: text, tables whose columns are explained, plots, pictures, findings.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Result;
 use crate::measure::table::Table;
 
 /// A section's content: HTML, files beside the page, findings, and failed checks.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Page {
     body: String,
     /// The section for a terminal: all but plots and pictures.
     pub text: String,
     /// Name and bytes of each file beside the page.
+    #[serde(skip)]
     pub files: Vec<(String, Vec<u8>)>,
     /// Findings for the front of the page, wins and losses alike.
     pub findings: Vec<Finding>,
@@ -24,7 +27,7 @@ pub struct Page {
 }
 
 /// A comparison with an aim: what was asked for, and what was found.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Finding {
     /// The verdict.
     pub tone: Tone,
@@ -35,7 +38,7 @@ pub struct Finding {
 }
 
 /// The verdict of a finding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Tone {
     /// As good as what it is compared with, or better.
     Win,

@@ -16,6 +16,7 @@ mod pictures;
 mod setting;
 mod speed;
 mod truth;
+mod unfinished;
 mod vary;
 mod whole;
 
@@ -25,6 +26,7 @@ pub use checks::stress_table;
 pub use day::Day;
 pub use html::{Finding, Page, Shown, Tone, escape};
 pub use pictures::png;
+pub use unfinished::{UNFINISHED, measured};
 pub use whole::{Written, whole};
 
 use crate::error::Result;
@@ -52,7 +54,7 @@ pub struct Bench<'a> {
     pub device: Option<&'a Device>,
     /// Small scenes and few settings; takes minutes.
     pub quick: bool,
-    /// Mesh files that tables of Mertens et al. are measured for, too.
+    /// Mesh files that tables 4 and 5 of Mertens et al. are measured for, too.
     pub meshes: &'a [String],
     /// Runs of `profile --history`.
     pub history: Option<&'a [Entry]>,
@@ -129,19 +131,29 @@ pub static PARTS: &[Section] = &[
 pub struct Report {
     /// The HTML page.
     pub page: String,
-    /// Name and bytes of each file beside it.
+    /// Name and bytes of each file beside it that was measured now.
     pub files: Vec<(String, Vec<u8>)>,
     /// Failed checks and sections.
     pub faults: Vec<String>,
 }
 
-/// Writes these sections; `tell` receives the name of each before it starts. After each its files are kept, then the
-/// page so far; an error means that a file could not be kept.
-pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&str)) -> Result<Report> {
+/// Writes these sections, but those that were measured `earlier`; `tell` receives the name of each before it starts.
+/// After each its files are kept, then the page so far, then what another run needs to go on; an error means that a
+/// file could not be kept.
+pub fn report(
+    bench: &Bench<'_>,
+    sections: &[&Section],
+    mut earlier: Vec<Written>,
+    tell: &mut dyn FnMut(&str),
+) -> Result<Report> {
     let about = setting::about(bench);
     let so_far = |written: &[Written]| whole("milkglass report", &about, written, sections.len());
     let mut written = Vec::new();
     for section in sections {
+        if let Some(at) = earlier.iter().position(|known| known.name == section.name) {
+            written.push(earlier.swap_remove(at));
+            continue;
+        }
         tell(section.name);
         let (start, mut page) = (Instant::now(), Page::default());
         if let Err(error) = (section.write)(bench, &mut page) {
@@ -152,8 +164,9 @@ pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&st
         }
         let seconds = start.elapsed().as_secs_f64();
         page.files.iter().try_for_each(|(name, bytes)| bench.keep(name, bytes))?;
-        written.push(Written { name: section.name, title: section.title, page, seconds });
+        written.push(Written { name: section.name.into(), title: section.title.into(), page, seconds });
         bench.keep(REPORT.page, so_far(&written).as_bytes())?;
+        bench.keep(UNFINISHED, &unfinished::bytes(bench, sections, &written))?;
     }
     let page = so_far(&written);
     let (mut files, mut faults) = (Vec::new(), Vec::new());
@@ -193,7 +206,7 @@ mod tests {
             Ok(())
         };
         let bench = Bench { quick: true, keep: Some(&keep), ..Bench::default() };
-        let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string())).unwrap();
+        let made = report(&bench, &sections.each_ref(), Vec::new(), &mut |name| told.push(name.to_string())).unwrap();
         assert_eq!((told, made.faults), (vec!["bad".into(), "good".into()], vec!["bad: it broke".to_string()]));
         for words in [
             "1 check FAILS",
@@ -213,11 +226,11 @@ mod tests {
         assert_eq!(made.files, [("sizes.csv".to_string(), b"what,mm\n\"a, b\",1.5\n".to_vec())]);
         // A file as soon as it is there, and the page after each section.
         let names: Vec<String> = kept.borrow().iter().map(|(name, _)| name.clone()).collect();
-        assert_eq!(names, ["index.html", "sizes.csv", "index.html"]);
+        assert_eq!(names, ["index.html", UNFINISHED, "sizes.csv", "index.html", UNFINISHED]);
         let unfinished = "Unfinished: 1 of 2 sections";
         assert!(kept.borrow()[0].1.contains(unfinished) && !made.page.contains("Unfinished"));
         let full = |_: &str, _: &[u8]| Err(Error::Check("the disk is full".into()));
-        let lost = report(&Bench { keep: Some(&full), ..bench }, &sections.each_ref(), &mut |_| ());
+        let lost = report(&Bench { keep: Some(&full), ..bench }, &sections.each_ref(), Vec::new(), &mut |_| ());
         assert_eq!(lost.err().map(|error| error.to_string()), Some("the disk is full".into()));
     }
 
@@ -242,7 +255,7 @@ mod tests {
         let bench = Bench { quick: true, ..Bench::default() };
         let page = |chosen: &[usize]| {
             let chosen: Vec<&Section> = chosen.iter().map(|&k| &sections[k]).collect();
-            report(&bench, &chosen, &mut |_| ()).unwrap().page
+            report(&bench, &chosen, Vec::new(), &mut |_| ()).unwrap().page
         };
         let passes = "very check passes";
         let found = page(&[0, 1]);

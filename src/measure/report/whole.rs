@@ -1,6 +1,8 @@
 //! The whole page: one HTML file that refers only to the files beside it, and contains no script. Its front has the
 //! verdicts as tiles, error against run time, pictures, and aims beside findings; the sections below it are folded.
 
+use serde::{Deserialize, Serialize};
+
 use super::html::{Page, Tone, escape};
 
 /// The head of the page; its content policy forbids scripts and external resources.
@@ -49,11 +51,12 @@ dt{font-weight:600}dd{margin:0}
 "#;
 
 /// One finished section.
+#[derive(Serialize, Deserialize)]
 pub struct Written {
     /// Its name, the target of links.
-    pub name: &'static str,
+    pub name: String,
     /// Its heading.
-    pub title: &'static str,
+    pub title: String,
     /// Its content.
     pub page: Page,
     /// Seconds it took.

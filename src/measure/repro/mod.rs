@@ -20,6 +20,8 @@ mod together;
 pub mod trace;
 pub mod unfinished;
 
+use std::collections::BTreeSet;
+
 /// The word need not agree with anything.
 pub const ANY: f32 = -2.0;
 /// The word must agree bit for bit.
@@ -153,6 +155,12 @@ impl Case {
     #[must_use]
     pub fn writes(&self, buffer: usize) -> bool {
         self.dispatches.iter().flat_map(|dispatch| &dispatch.bindings).any(|b| b.buffer == buffer && b.writes)
+    }
+
+    /// The names of the kernels that it runs.
+    #[must_use]
+    pub fn kernels(&self) -> BTreeSet<String> {
+        self.dispatches.iter().map(|dispatch| dispatch.kernel.clone()).collect()
     }
 
     /// Bytes of all buffers.

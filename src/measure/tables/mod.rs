@@ -21,6 +21,7 @@ pub mod segments;
 mod solve;
 
 pub use measured::{table_3, table_4, table_5};
+pub use models::mesh;
 
 use crate::error::Result;
 use crate::gpu::Device;
