@@ -116,7 +116,7 @@ fn a_history_of_runs_is_drawn() {
         &here,
         "report -o q --device cpu --only devices --history h.jsonl",
         2,
-        &["--history: no section draws", "h.jsonl"],
+        &["--history: no section shows", "h.jsonl"],
     );
     std::fs::write(here.path().join("h.jsonl"), format!("{text}[]\n")).unwrap();
     bad(&here, "report -o q --device cpu --only history --history h.jsonl", 2, &["h.jsonl:4: not a run"]);
