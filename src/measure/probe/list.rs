@@ -23,6 +23,9 @@ const NEAR: f32 = 1.0 + 1.0 / 4096.0;
 /// The values that most probes share; each has its own name and answer.
 const PLAIN: Probe = Probe { name: "", what: "", needed: true, terms: [0.0; 3], answer: |_, _| 0, other: |_| None };
 
+/// The probe that is needed only where a device promises full subgroups.
+pub(super) const FULL: &str = "full-subgroups";
+
 pub(super) const PROBES: [Probe; 15] = [
     Probe {
         name: "nested-loops",
@@ -120,7 +123,7 @@ pub(super) const PROBES: [Probe; 15] = [
         ..PLAIN
     },
     Probe {
-        name: "full-subgroups",
+        name: FULL,
         what: "subgroups have as many invocations as they say",
         answer: |_, _| 64,
         other: |found| (found < 64).then_some("partly filled"),

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
-use self::list::{PROBES, Probe};
+use self::list::{FULL, PROBES, Probe};
 use crate::error::Result;
 use crate::gpu::{Binding, Buffer, Device, Kernel, Recorder, Work};
 use crate::layout::GROUP_SIZE;
@@ -68,6 +68,8 @@ pub fn probe(device: &Device) -> Result<Vec<Fact>> {
         if let Some(message) = device.take_messages().into_iter().next() {
             (fact.right, fact.found) = (false, message);
         }
+        // Where a device does not promise full subgroups, kernels do without subgroups.
+        fact.needed &= fact.name != FULL || device.subgroup_that_shuffles(GROUP_SIZE) > 1;
         facts.push(fact);
     }
     Ok(facts)
