@@ -176,6 +176,7 @@ fn files_that_do_not_fit_are_refused() {
         ("profile --compare a.json a.json --history h", &["--history: nothing is measured", "two files of --compare"]),
         ("profile --compare a.json a.json --roofline r.svg", &["--roofline: nothing is measured"]),
         ("profile --compare a.json a.json --save b.json", &["--json: nothing is measured"]),
+        ("profile sphere --compare a.json a.json", &["SCENE: nothing is measured", "one of them and a scene"]),
         ("profile", &["SCENE", "no scene is given"]),
         ("profile lotus --device cpu --compare nowhere.json", &["nowhere.json"]),
         ("profile sphere --until 5", &["--until", "0.01% to 50%"]),

@@ -163,7 +163,8 @@ impl Arguments {
             return Err(refused(key, "goes with one device only").found(found).into());
         }
         let written = self.files().into_iter().find(|(key, file)| *key != "--junit" && file.is_some());
-        if let (Some((key, _)), 2) = (written, self.compare.len()) {
+        let idle = written.map(|(key, _)| key).or((!self.scene.scene.is_empty()).then_some("SCENE"));
+        if let (Some(key), 2) = (idle, self.compare.len()) {
             let fault = refused(key, "nothing is measured").found("two files of --compare");
             return Err(fault.expected("one of them and a scene").into());
         }
