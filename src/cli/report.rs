@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Draw the runs that `profile --history` wrote to this file, in section `history`.
     #[arg(long, value_name = "FILE")]
     history: Option<PathBuf>,
-    /// Also show what `bench/device-day` found on another device, whose folder this is, beside the same on this one, in
+    /// Show what `bench/device-day` found on another device, whose folder this is, beside the same on this one, in
     /// section `day`; without `--only` this is the only section.
     #[arg(long, value_name = "DAY")]
     from: Option<PathBuf>,
@@ -113,7 +113,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let earlier = match arguments.resume {
         true => measured(&arguments.output, &bench, &sections)?,
-        false => Vec::new(),
+        // What an earlier one has measured must not be taken for a part of this one.
+        false => folder.remove(UNFINISHED).map(|()| Vec::new())?,
     };
     let count = sections.len();
     let mut tell = |name: &str| {

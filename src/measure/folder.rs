@@ -78,10 +78,15 @@ impl Folder {
         done.map_err(|e| Error::from(Input::new(format!("could not be written: {e}")).file(&self.target.join(name))))
     }
 
-    /// Removes a file that was put.
+    /// Removes a file that was put, if it is there.
     pub fn remove(&self, name: &str) -> Result<()> {
-        let fault = |error| Input::new(format!("could not be removed: {error}")).file(&self.target.join(name));
-        Ok(fs::remove_file(self.target.join(name)).map_err(fault)?)
+        let path = self.target.join(name);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(Input::new(format!("could not be removed: {error}")).file(&path).into())
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Writes all files, then moves them to the target, the page last.

@@ -62,6 +62,14 @@ fn what_can_not_be_done_is_refused_before_anything_is_measured() {
     std::fs::write(here.path().join("summary.txt"), "a exit 0 1 s x\n").unwrap();
     std::fs::write(here.path().join("a.json"), "{}").unwrap();
     bad(&here, "report -o r --from .", 2, &["a.json: schema: this version of the format is not known"]);
+    std::fs::remove_file(here.path().join("a.json")).unwrap();
+    std::os::unix::fs::symlink("/etc/hostname", here.path().join("lotus.png")).unwrap();
+    bad(&here, "report -o r --from .", 2, &["lotus.png: not a plain file"]);
+    std::fs::remove_file(here.path().join("lotus.png")).unwrap();
+    std::fs::write(here.path().join("lotus.png"), "secret").unwrap();
+    bad(&here, "report -o r --from .", 2, &["lotus.png: not a PNG file"]);
+    std::fs::write(here.path().join("summary.txt"), "a exit 0 1 s x\na exit 0 1 s x\n").unwrap();
+    bad(&here, "report -o r --from .", 2, &["summary.txt:2: a step of an earlier name", "found a"]);
     assert!(!here.path().join("r").exists());
 }
 
@@ -69,7 +77,7 @@ fn what_can_not_be_done_is_refused_before_anything_is_measured() {
 fn a_day_of_another_device_stands_beside_this_one() {
     let here = folder(&[]);
     std::fs::create_dir(here.path().join("day")).unwrap();
-    std::fs::write(here.path().join("day/lotus.png"), "png").unwrap();
+    std::fs::write(here.path().join("day/lotus.png"), b"\x89PNG\r\n\x1a\n").unwrap();
     let sets = "--set object.0.detail=1 --set camera.size=[8,8] --device cpu --frames 3";
     good(&here, &format!("profile sphere {sets} --change light --save day/light.json"));
     let lines = "devices exit 0 1 s a device\nlight exit 124 30 s 0.2 ms\nvary: no time left\n";
@@ -85,7 +93,7 @@ fn a_day_of_another_device_stands_beside_this_one() {
         "no time left",
         "light: sphere, light changes",
         "Not timed here: neither a built-in scene nor a file; found gone.obj",
-        "cG5n",
+        "base64,iVBORw0KGgo=",
     ] {
         assert!(page.contains(words), "{words}: {page}");
     }
@@ -101,11 +109,15 @@ fn a_day_of_another_device_stands_beside_this_one() {
 fn comparisons_that_differ_on_another_device_are_failures() {
     let here = folder(&[]);
     std::fs::create_dir(here.path().join("day")).unwrap();
-    std::fs::write(here.path().join("day/summary.txt"), "conform exit 1 9 s x\n").unwrap();
+    let ended = |code: u8| {
+        std::fs::write(here.path().join("day/summary.txt"), format!("conform exit {code} 9 s x\n")).unwrap();
+    };
+    ended(0);
     good(&here, "conform --filter ^one.triangle --stage refit --no-validation --jsonl day/conform.jsonl");
     good(&here, "report --from day -o r --device cpu");
     let differs = read(&here, "day/conform.jsonl").replacen("\"conforms\"", "\"differs\"", 1);
     std::fs::write(here.path().join("day/conform.jsonl"), differs).unwrap();
+    ended(1);
     bad(&here, "report --from day -o r --device cpu", 1, &["the report has 1 failures", "day: ", "refit"]);
 }
 
@@ -145,15 +157,18 @@ fn tables_of_mertens_come_for_a_mesh_too() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_report_goes_on() {
-    let here = folder(&[("h.jsonl", include_str!("../results/1/history.jsonl"))]);
+    let runs = include_str!("../results/1/history.jsonl");
+    let here = folder(&[("h.jsonl", runs), ("less.jsonl", &runs[..=runs.find('\n').unwrap()])]);
     let line = "report -o r --device cpu --only devices,history --history h.jsonl";
     let script = format!("trap '' XFSZ; ulimit -f 40; exec {} {line}", env!("CARGO_BIN_EXE_milkglass"));
     let output = std::process::Command::new("sh").current_dir(here.path()).args(["-c", &script]).output().unwrap();
     assert_eq!(output.status.code(), Some(2), "{:?}", said(&output));
     assert!(read(&here, "r/index.html").contains("Unfinished: 1 of 2 sections"));
-    for (other, key) in
-        [("report -o r --device cpu --only devices", "sections"), (&format!("{line} --quick"), "extent")]
-    {
+    for (other, key) in [
+        ("report -o r --device cpu --only devices", "sections"),
+        (&format!("{line} --quick"), "extent"),
+        (&line.replace("h.jsonl", "less.jsonl"), "history"),
+    ] {
         bad(&here, &format!("{other} --resume"), 2, &[&format!("r/unfinished.json: {key}: the interrupted report is")]);
     }
     let (_, err) = good(&here, &format!("{line} --resume"));

@@ -206,7 +206,7 @@ impl Arguments {
     pub(super) fn again(subject: &Subject) -> Result<Self> {
         let frame = subject.frame.to_string();
         let fixed = ["--frame", &frame, "--change", &subject.change, "--mode", &subject.mode];
-        let rest = ["--transport", &subject.transport, "--by", subject.by(), "--frames", AGAIN];
+        let rest = ["--transport", &subject.transport, "--by", subject.by(), "--frames", AGAIN, "--budget", "30"];
         let sets = subject.sets.iter().flat_map(|set| ["--set", set]);
         let words = ["profile", &subject.scene].into_iter().chain(fixed).chain(rest).chain(sets);
         let command = Self::augment_args(Command::new("profile"));

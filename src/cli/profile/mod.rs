@@ -101,7 +101,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 pub(super) fn timed_again(subject: &Subject, device: Option<&Device>) -> Result<Samples> {
     let arguments = Arguments::again(subject)?;
     let scene = arguments.scene()?.load()?;
-    let device = arguments.timing(device.cloned())?;
+    // The caller's own device goes on compiling ahead.
+    let again = device.map(|device| device.opened_as(device.choices())).transpose()?;
+    let device = arguments.timing(again)?;
     Ok(profile(&scene, device.as_ref(), &arguments.settings())?.samples)
 }
 

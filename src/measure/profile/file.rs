@@ -73,7 +73,8 @@ impl Saved {
     /// The program, device and driver in a line.
     #[must_use]
     pub fn origin(&self) -> String {
-        let commit = self.commit.as_deref().map(|commit| format!(", commit {}", &commit[..commit.len().min(12)]));
+        let commit =
+            self.commit.as_deref().map(|commit| format!(", commit {}", commit.chars().take(12).collect::<String>()));
         let replaced: String = self.replaced.iter().map(|pair| format!(", {pair}")).collect();
         format!("milkglass {}{}, {}, {}{replaced}", self.version, commit.unwrap_or_default(), self.device, self.driver)
     }
@@ -165,6 +166,12 @@ mod tests {
             let fault = parse(&text(&saved()).replacen(from, to, 1)).unwrap_err().to_string();
             assert!(fault.contains(words), "{words}: {fault}");
         }
+    }
+
+    #[test]
+    fn a_commit_may_be_any_text() {
+        let commit = Some("aaaaaaaaaaa\u{e9}b".into());
+        assert!(Saved { commit, ..saved() }.origin().contains("commit aaaaaaaaaaa\u{e9}, "));
     }
 
     #[test]

@@ -2,21 +2,25 @@
 
 use std::path::Path;
 
+use serde::Serialize;
+
 use super::{Bench, Page, Shown};
 use crate::error::{Error, Input, Result};
 use crate::measure::profile::file::{self, Saved};
-use crate::measure::results::{Results, Verdict, read};
+use crate::measure::results::{Results, read};
 use crate::measure::rounds::Samples;
 use crate::measure::statistics::Interval;
 use crate::measure::table::Table;
 
 /// Most bytes of a summary or a picture.
 const MOST: u64 = 1 << 26;
-/// Rows of a table that together take less than this share of the frame are left out.
+/// A row that takes less than this share of all stages is left out.
 const SHARE: f64 = 1e-3;
+/// Most steps of a day.
+const STEPS: usize = 100;
 
 /// What a folder of `bench/device-day` holds.
-#[derive(Default)]
+#[derive(Default, Serialize)]
 pub struct Day {
     /// Name, exit code, seconds and last line of each step.
     steps: Vec<[String; 4]>,
@@ -31,20 +35,40 @@ impl Day {
     pub fn read(folder: &Path) -> Result<Self> {
         let summary = folder.join("summary.txt");
         let text = String::from_utf8_lossy(&plain(&summary)?).into_owned();
-        let steps: Vec<[String; 4]> = text.lines().filter_map(step).collect();
-        if steps.is_empty() {
-            return Err(Input::new("it names no step that ran").file(&summary).expected(EXPECTED).into());
+        let fault = |what: &str| Input::new(what).file(&summary).expected(EXPECTED);
+        let mut steps: Vec<[String; 4]> = Vec::new();
+        for (k, line) in text.lines().enumerate() {
+            let Some(step) = step(line).map_err(|what| fault(what).line(k + 1))? else { continue };
+            if steps.len() == STEPS || steps.iter().any(|known| known[0] == step[0]) {
+                let what = format!("a step of an earlier name, or more than {STEPS} steps");
+                return Err(fault(&what).line(k + 1).found(&step[0]).into());
+            }
+            steps.push(step);
         }
-        let there = |name: &str, end: &str| Some(folder.join(format!("{name}{end}"))).filter(|path| path.exists());
-        let conform = there("conform", ".jsonl").map(|path| read(&path)).transpose()?;
-        let picture = there("lotus", ".png").map(|path| plain(&path)).transpose()?;
+        if steps.is_empty() {
+            return Err(fault("it names no step that ran").into());
+        }
+        let there = |name: &str, end: &str| {
+            let path = folder.join(format!("{name}{end}"));
+            match path.symlink_metadata() {
+                Ok(_) => known(&path, FILE).map(|()| Some(path)),
+                Err(_) => Ok(None),
+            }
+        };
+        let conform = there("conform", ".jsonl")?.map(|path| read(&path)).transpose()?;
+        let picture = there("lotus", ".png")?.map(|path| plain(&path).map(|bytes| (path, bytes))).transpose()?;
+        if let Some((path, _)) = picture.as_ref().filter(|(_, bytes)| !bytes.starts_with(PNG)) {
+            return Err(Input::new("not a PNG file").file(path).expected(EXPECTED).into());
+        }
         let mut profiles = Vec::new();
-        for [name, ..] in steps.iter().filter(|[_, code, ..]| !code.is_empty()) {
+        // Earlier versions left variants by that name.
+        for [name, ..] in steps.iter().filter(|[name, code, ..]| !code.is_empty() && name != "vary") {
             // A step that was stopped has saved nothing.
-            if let Some(path) = there(name, ".json") {
+            if let Some(path) = there(name, ".json")? {
                 profiles.push((name.clone(), file::read(&path)?));
             }
         }
+        let picture = picture.map(|(_, bytes)| bytes);
         Ok(Self { steps, conform, profiles, picture })
     }
 }
@@ -52,26 +76,44 @@ impl Day {
 /// What a folder has to be.
 const EXPECTED: &str = "the folder that day.tar.gz of bench/device-day unpacks to";
 
+/// How a PNG file begins.
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+/// Most bytes of a saved profile or of results.
+const FILE: u64 = 1 << 30;
+
+/// An error unless this is a file of the folder itself, and no link to another one, with at most so many bytes.
+fn known(path: &Path, most: u64) -> Result<()> {
+    let fault = |what: String| Error::from(Input::new(what).file(path).expected(EXPECTED));
+    let known = path.symlink_metadata().map_err(|error| fault(format!("could not be read: {error}")))?;
+    match known.is_file() && known.len() <= most {
+        true => Ok(()),
+        false => Err(fault(format!("not a plain file of at most {most} bytes"))),
+    }
+}
+
 /// The bytes of a plain file.
 fn plain(path: &Path) -> Result<Vec<u8>> {
-    let fault = |what: String| Error::from(Input::new(what).file(path).expected(EXPECTED));
-    let known = std::fs::metadata(path).map_err(|error| fault(format!("could not be read: {error}")))?;
-    if !known.is_file() || known.len() > MOST {
-        return Err(fault(format!("not a plain file of at most {MOST} bytes")));
-    }
-    std::fs::read(path).map_err(|error| fault(format!("could not be read: {error}")))
+    known(path, MOST)?;
+    let fault = |error| Input::new(format!("could not be read: {error}")).file(path).expected(EXPECTED);
+    Ok(std::fs::read(path).map_err(fault)?)
 }
 
 /// A step of a line `NAME exit CODE SECONDS s LAST LINE` or `NAME: no time left`; none if the line is another.
-fn step(line: &str) -> Option<[String; 4]> {
+fn step(line: &str) -> std::result::Result<Option<[String; 4]>, &'static str> {
     if let Some((name, why)) = line.split_once(": ").filter(|(name, _)| !name.contains(char::is_whitespace)) {
-        return Some([name, "", "", why].map(String::from));
+        return Ok(Some([name, "", "", why].map(String::from)));
     }
-    let mut words = line.split_whitespace();
-    let (name, exit, code, seconds) = (words.next()?, words.next()?, words.next()?, words.next()?);
-    let whole =
-        exit == "exit" && words.next()? == "s" && name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
-    whole.then(|| [name.into(), code.into(), seconds.into(), words.collect::<Vec<_>>().join(" ")])
+    let words: Vec<&str> = line.split_whitespace().collect();
+    match words[..] {
+        [name, "exit", ..] if name.contains(['/', '\\']) || name.starts_with('.') => {
+            Err("a step's name is no name of a file in this folder")
+        }
+        [name, "exit", code, seconds, "s", ..] => {
+            Ok(Some([name.into(), code.into(), seconds.into(), words[5..].join(" ")]))
+        }
+        [_, "exit", ..] => Err("not NAME exit CODE SECONDS s LAST LINE"),
+        _ => Ok(None),
+    }
 }
 
 /// Shows what was found there, and times the same scenes here.
@@ -110,16 +152,27 @@ pub fn day(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Says how many comparisons conform there; those that do not are faults.
+/// Says how many comparisons conform there; those that do not are faults, and so are steps that failed. Whether all
+/// conform is known only if that step ended by itself.
 fn conformed(day: &Day, page: &mut Page) {
-    let Some(found) = &day.conform else { return };
-    for outcome in found.results.iter().filter(|outcome| outcome.verdict != Verdict::Conforms) {
+    let results = day.conform.iter().flat_map(|found| &found.results);
+    for outcome in results.clone().filter(|outcome| !outcome.verdict.passes()) {
         let why = outcome.faults.first().map_or_else(|| format!("{:?}", outcome.verdict), String::clone);
         page.fail(&format!("{}, {}, {}: {why}", outcome.device, outcome.fixture, outcome.stage));
     }
-    let words: usize = found.results.iter().map(|outcome| outcome.words).sum();
-    page.checked = true;
-    page.say(&format!("conform there: {} comparisons, {words} words.", found.results.len()));
+    let differs = results.clone().any(|outcome| !outcome.verdict.passes());
+    for [name, code, _, last] in &day.steps {
+        match (name.as_str(), code.as_str()) {
+            (_, "" | "0") => {}
+            // The script stops what takes too long.
+            (_, "124") => page.say(&format!("{name} was stopped before its end: what it has is incomplete.")),
+            ("conform", "1") if differs => {}
+            _ => page.fail(&format!("{name} ended with exit code {code}: {last}")),
+        }
+    }
+    let (count, words) = (results.clone().count(), results.map(|outcome| outcome.words).sum::<usize>());
+    page.checked |= count > 0 && day.steps.iter().any(|[name, code, ..]| name == "conform" && code == "0");
+    page.say(&format!("conform there: {count} comparisons, {words} words."));
 }
 
 /// The medians of two devices' samples, for all that takes time there.
@@ -129,9 +182,10 @@ fn beside(there: &Samples, here: &Samples) -> Table {
     let shown = there.iter().filter(|(_, time)| time.value >= SHARE * whole);
     let row = |(what, time): &(&str, Interval)| {
         let own = here.iter().find(|(known, _)| known == what).map(|(_, time)| time.value);
+        let ratio = own.filter(|_| time.value > 0.0).map(|own| own / time.value);
         let text =
             |value: Option<f64>, places: usize| value.map_or_else(String::new, |value| format!("{value:.places$}"));
-        vec![(*what).to_string(), text(Some(time.value), 3), text(own, 3), text(own.map(|own| own / time.value), 1)]
+        vec![(*what).to_string(), text(Some(time.value), 3), text(own, 3), text(ratio, 1)]
     };
     let columns =
         [("what", ""), ("there, ms", "median"), ("here, ms", "median"), ("here / there", "how many times as long")];
@@ -145,11 +199,37 @@ mod tests {
 
     #[test]
     fn lines_of_a_summary_are_steps() {
-        let found = step("light-1e-2         exit 124   30 s  frame 1.2 ms").unwrap();
-        assert_eq!(found, ["light-1e-2", "124", "30", "frame 1.2 ms"]);
-        assert_eq!(step("vary: no time left").unwrap(), ["vary", "", "", "no time left"]);
-        assert_eq!(step("../x exit 0 1 s"), None);
-        assert_eq!(step("devices exit 0 1 s").unwrap()[3], "");
+        let found = |line: &str| step(line).unwrap().unwrap();
+        assert_eq!(
+            found("light-1e-2         exit 124   30 s  frame 1.2 ms"),
+            ["light-1e-2", "124", "30", "frame 1.2 ms"]
+        );
+        assert_eq!(found("vary: no time left"), ["vary", "", "", "no time left"]);
+        assert_eq!(found("my+mesh exit 0 1 s")[3], "");
+        assert_eq!(step("results: x y"), Ok(Some(["results", "", "", "x y"].map(String::from))));
+        assert_eq!(step("a line"), Ok(None));
+        assert!(step("../x exit 0 1 s").unwrap_err().contains("name of a file"));
+        assert!(step("x exit 0").unwrap_err().contains("not NAME exit"));
+    }
+
+    /// The faults of a day with these steps, and whether it was checked.
+    fn faults(steps: &[(&str, &str)], results: usize) -> (Vec<String>, bool) {
+        let steps = steps.iter().map(|(name, code)| [name, code, "1", "x"].map(String::from)).collect();
+        let outcome = crate::measure::results::Outcome { words: 1, ..Default::default() };
+        let conform = Some(Results { results: vec![outcome; results], ..Results::default() });
+        let mut page = Page::default();
+        conformed(&Day { steps, conform, ..Day::default() }, &mut page);
+        (page.faults, page.checked)
+    }
+
+    #[test]
+    fn what_did_not_end_well_is_no_pass() {
+        assert_eq!(faults(&[("conform", "0")], 1), (vec![], true));
+        assert_eq!(faults(&[("conform", "0")], 0), (vec![], false));
+        assert_eq!(faults(&[("conform", "124")], 1), (vec![], false));
+        let (told, checked) = faults(&[("conform", "0"), ("stress", "1")], 1);
+        assert_eq!((told, checked), (vec!["stress ended with exit code 1: x".to_string()], true));
+        assert_eq!(faults(&[("conform", "3")], 1).0, ["conform ended with exit code 3: x"]);
     }
 
     #[test]

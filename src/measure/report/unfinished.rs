@@ -1,5 +1,6 @@
 //! What an interrupted report has measured, so that another run can go on with it: a file beside the page.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -26,8 +27,17 @@ fn subject(bench: &Bench<'_>, sections: &[&Section]) -> Vec<(String, String)> {
         ("commit", option_env!("MILKGLASS_COMMIT").unwrap_or_default().to_string()),
         ("sections", names.join(", ")),
         ("meshes", bench.meshes.join(", ")),
+        ("history", mark(&bench.history)),
+        ("day", mark(&bench.day)),
     ];
     setting::about(bench).into_iter().chain(own).map(|(key, value)| (key.to_string(), value)).collect()
+}
+
+/// A number that stands for what a file has.
+fn mark(value: &impl Serialize) -> String {
+    let mut hasher = DefaultHasher::new();
+    serde_json::to_string(value).unwrap_or_default().hash(&mut hasher);
+    format!("{:016x}", hasher.finish())
 }
 
 /// The file's bytes once these of the sections are written.
@@ -42,8 +52,8 @@ pub fn measured(folder: &Path, bench: &Bench<'_>, sections: &[&Section]) -> Resu
     let fault = |what: String| Input::new(what).file(&path);
     let missing = |error| fault(format!("could not be read: {error}")).expected("the folder of an interrupted report");
     let known = std::fs::metadata(&path).map_err(missing)?;
-    if known.len() > MOST {
-        return Err(fault(format!("longer than {MOST} bytes")).into());
+    if !known.is_file() || known.len() > MOST {
+        return Err(fault(format!("not a plain file of at most {MOST} bytes")).into());
     }
     let text = std::fs::read_to_string(&path).map_err(missing)?;
     let all: Unfinished = serde_json::from_str(&text)
@@ -51,7 +61,11 @@ pub fn measured(folder: &Path, bench: &Bench<'_>, sections: &[&Section]) -> Resu
     let own = subject(bench, sections);
     match own.iter().zip(&all.subject).find(|(own, old)| own != old) {
         None if own.len() == all.subject.len() => Ok(all.sections),
-        None => Err(fault("of another version of this program".into()).into()),
+        None => {
+            let fault =
+                fault("of another version of this program".into()).found(format!("{} facts", all.subject.len()));
+            Err(fault.expected(own.len()).into())
+        }
         Some(((key, now), (_, old))) => {
             Err(fault("the interrupted report is another one".into()).key(key).found(old).expected(now).into())
         }
