@@ -5,6 +5,9 @@
 //! and square roots are counted separately, and so are exponentials, logarithms and circular functions. Integers,
 //! comparisons, minima, maxima and conversions are not counted. Loads and stores count the bytes of buffers that they
 //! name. Every instruction is noted, too, so that coverage knows which were executed.
+//!
+//! Each invocation also adds up what it goes through one after the other, instructions and loads; the most of each, over
+//! the invocations of a dispatch, say how long that takes at least, however wide the device is.
 
 mod code;
 mod read;
@@ -18,12 +21,13 @@ use std::collections::BTreeSet;
 use spirq::spirv::Op;
 
 use super::spirv_module::{Edited, instructions};
-use read::Module;
+use read::{Chains, Module};
 use write::Counters;
 
 pub use code::Code;
 pub(super) use tally::Block;
-pub use tally::{Tally, Traffic};
+use tally::CHAIN;
+pub use tally::{Chain, Tally, Traffic};
 #[cfg(feature = "measure")]
 pub(crate) use touch::touching;
 pub(crate) use write::BINDING;
@@ -36,11 +40,45 @@ pub(super) struct Counted {
     pub(super) blocks: Vec<Block>,
 }
 
+impl Counted {
+    /// Words of a dispatch's counters: two a block, the lower one first, then those of the longest [`Chain`].
+    pub(super) fn counters(blocks: &[Block]) -> usize {
+        2 * blocks.len() + CHAIN
+    }
+}
+
 /// The kernel with counters at [`BINDING`]; none where the SPIR-V is not of the kind that the build makes.
 pub(super) fn counted(words: &[u32]) -> Option<Counted> {
-    // What each block does.
     let module = Module::of(words);
-    let (mut all, mut function) = (Vec::<Block>::new(), 0);
+    let blocks = blocks(&module, words);
+    let mut out = Edited::begin(words)?;
+    let longest = 2 * blocks.len() as u32;
+    let most = blocks.iter().flat_map(|block| block.chain).max().unwrap_or_default();
+    let counters = Counters::declare(&mut out, &module.declared, most.max(longest + CHAIN as u32));
+    let (mut waiting, mut numbered, mut function) = (None::<(&Block, u32)>, blocks.iter().zip(0..), 0);
+    let words = out.finish(words, |out, instruction| {
+        // Counting comes after the phis and variables of a block.
+        if !matches!(instruction.op, Some(Op::Line | Op::NoLine | Op::Phi | Op::Variable))
+            && let Some((block, number)) = waiting.take()
+        {
+            counters.count(out, number);
+            counters.add(out, block.chain);
+        }
+        match (instruction.op, instruction.operands) {
+            (Some(Op::Function), [_, id, ..]) => function = *id,
+            (Some(Op::Label), _) => waiting = Some(numbered.next()?),
+            (Some(Op::Return), _) if function == module.declared.entry => counters.end(out, longest),
+            _ => {}
+        }
+        counters.keep(out, instruction);
+        Some(())
+    })?;
+    Some(Counted { words, blocks })
+}
+
+/// What each block of a module does when it runs once, in their order.
+fn blocks(module: &Module<'_>, words: &[u32]) -> Vec<Block> {
+    let (mut all, mut function, mut chains) = (Vec::<Block>::new(), 0, Chains::new());
     let declared: BTreeSet<Code> = instructions(words).filter_map(Code::declared).collect();
     for instruction in instructions(words) {
         match (instruction.op, instruction.operands) {
@@ -50,26 +88,18 @@ pub(super) fn counted(words: &[u32]) -> Option<Counted> {
                 // What a module declares is used once the kernel begins.
                 let codes = if entry { declared.clone() } else { BTreeSet::new() };
                 all.push(Block { entry, codes, ..Block::default() });
+                chains.clear();
             }
-            _ => all.last_mut().into_iter().for_each(|block| module.add(block, instruction)),
+            _ => {
+                if let Some(block) = all.last_mut() {
+                    module.add(block, instruction);
+                    module.chain(block, instruction, &mut chains);
+                }
+            }
         }
     }
-
-    // Counters for those that do something.
-    let blocks: Vec<Block> = all.iter().filter(|block| **block != Block::default()).cloned().collect();
-    let mut out = Edited::begin(words)?;
-    let counters = Counters::declare(&mut out, &module.declared, blocks.len() as u32);
-    let (mut waiting, mut all, mut number) = (None, all.iter(), 0..);
-    let words = out.finish(words, |out, instruction| {
-        // Counting comes after the phis and variables of a block.
-        if !matches!(instruction.op, Some(Op::Line | Op::NoLine | Op::Phi | Op::Variable)) {
-            waiting.take().into_iter().for_each(|counter| counters.count(out, counter));
-        }
-        counters.keep(out, instruction);
-        if instruction.op == Some(Op::Label) && *all.next()? != Block::default() {
-            waiting = number.next();
-        }
-        Some(())
-    })?;
-    Some(Counted { words, blocks })
+    for block in &mut all {
+        block.chain[0] = block.chain[0].max(block.instructions.div_ceil(2));
+    }
+    all
 }

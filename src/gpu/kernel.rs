@@ -1,6 +1,7 @@
 //! A compute kernel: a pipeline made from SPIR-V, and what it binds.
 
 mod layouts;
+mod meter;
 mod shape;
 mod subgroups;
 
@@ -13,9 +14,7 @@ use ash::vk;
 
 use super::call::vk_call;
 use super::choices::Constants;
-use super::count::{self, Tally};
 use super::logical_device::LogicalDevice;
-use super::memory::Buffer;
 use super::pushed::{BAKED_ID, as_specialization, as_uniform};
 use super::reflect::{Access, Reflected, has_subgroups, reflect, words_of, words_without_subgroups};
 use super::spirv_module::{round_to_nearest, without_rounding};
@@ -23,6 +22,7 @@ use crate::error::{Error, Result};
 use crate::layout::{GROUPS_A_ROW, LOCKSTEP_ID};
 use crate::phases::phase;
 
+pub(super) use meter::Meter;
 pub(super) use shape::Shape;
 pub use shape::set_by_device;
 pub(super) use subgroups::words_for;
@@ -79,39 +79,12 @@ struct Source {
     baked: RefCell<BTreeMap<Vec<u8>, Rc<Kernel>>>,
 }
 
-/// The counters of a kernel.
-pub(super) struct Meter {
-    /// What each block that counts does when it runs once.
-    blocks: Vec<count::Block>,
-    /// How often each has run: two words a block, the lower one first.
-    pub(super) counters: Buffer,
-}
-
 impl Kernel {
-    /// The kernel with counters, if its SPIR-V is of the kind that the build makes; else without.
-    pub(super) fn counting(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
-        let Some(counted) = count::counted(&words) else { return Self::new(device, name, words, constants) };
-        let mut kernel = Self::new(device, name, counted.words, constants)?;
-        let counters = Buffer::new(device, "counters", 8 * counted.blocks.len() as u64)?;
-        counters.upload(&vec![0; 8 * counted.blocks.len()])?;
-        kernel.meter = Some(Meter { blocks: counted.blocks, counters });
-        Ok(kernel)
-    }
-
     /// The groups of a dispatch of this many items: all in one row where they fit, else rows of equal length.
     pub(crate) fn grid(&self, items: u64) -> [u32; 3] {
         let groups = (items * u64::from(self.shape.an_item())).div_ceil(u64::from(self.group));
         let row = u64::from(GROUPS_A_ROW).min(self.device.limits().groups[0].into()).max(1);
         [groups.min(row), groups.div_ceil(row), 1].map(|count| u32::try_from(count).unwrap_or(u32::MAX))
-    }
-
-    /// What it has done since the last call, if it counts.
-    pub(super) fn tally(&self) -> Result<Option<Tally>> {
-        let Some(meter) = &self.meter else { return Ok(None) };
-        let mut counts = vec![0u64; meter.blocks.len()];
-        meter.counters.download(bytemuck::cast_slice_mut(&mut counts))?;
-        meter.counters.upload(&vec![0; 8 * counts.len()])?;
-        Ok(Some(Tally::new(&meter.blocks, &counts)))
     }
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.

@@ -46,13 +46,13 @@ impl Kernels {
         made.iter().map(|(key, kernel)| Ok((key.clone(), kernel.creation, kernel.statistics()?))).collect()
     }
 
-    /// What each kernel has done since the last call, by name; nothing where kernels do not count.
+    /// What each dispatch has done since the last call, in their order, after its kernel's name; nothing where kernels do
+    /// not count.
     pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
-        let made = self.made.borrow();
-        let mut tallies = Vec::new();
-        for (key, kernel) in made.iter() {
-            tallies.extend(kernel.tally()?.map(|tally| (key.name.clone(), tally)));
+        let mut all = BTreeMap::new();
+        for (key, kernel) in self.made.borrow().iter() {
+            all.extend(kernel.tallies()?.into_iter().map(|(number, tally)| (number, (key.name.clone(), tally))));
         }
-        Ok(tallies)
+        Ok(all.into_values().collect())
     }
 }

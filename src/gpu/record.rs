@@ -10,7 +10,7 @@ use super::choices::{Constants, Queues, Submissions};
 use super::count;
 use super::encode::{Encoded, Paces};
 use super::first_use;
-use super::kernel::Kernel;
+use super::kernel::{Kernel, Meter};
 use super::list::{BoundRange, Entry, Groups, Listed, Place, Timing};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
@@ -117,14 +117,14 @@ impl Recorder {
             );
             return Err(Error::device(doing(), what));
         }
-        // A kernel that counts has a buffer of its own for its counters.
-        let counters = kernel.meter.as_ref().map(|meter| &meter.counters);
+        // A kernel that counts has a range of its own buffer for each dispatch.
+        let counters = kernel.meter.as_ref().map(Meter::next);
         let mut ranges = Vec::with_capacity(kernel.accesses.len());
         for access in &kernel.accesses {
             let bound = bindings.iter().find(|b| b.number == access.binding);
             ranges.push(match (bound, counters) {
                 (Some(bound), _) => range(bound.buffer, bound.offset, bound.size.max(4)),
-                (None, Some(buffer)) if access.binding == count::BINDING => range(buffer, 0, buffer.size()),
+                (None, Some((buffer, first, size))) if access.binding == count::BINDING => range(buffer, first, size),
                 (None, _) => {
                     return Err(Error::device(doing(), format!("nothing is bound at {}", access.binding)));
                 }

@@ -37,7 +37,7 @@ impl SingleKernel<'_> {
     pub fn tally(&self, device: &Device, buffers: &mut [Vec<u8>], count: u64) -> Result<Option<Tally>> {
         let kernel = Rc::new(Kernel::counting(device, self.name, self.words()?, self.constants)?);
         self.run_kernel(device, &kernel, buffers, count, 1)?;
-        kernel.tally()
+        Ok(kernel.tallies()?.pop().map(|(_, tally)| tally))
     }
 
     fn words(&self) -> Result<Vec<u32>> {

@@ -67,8 +67,8 @@ impl Session {
         self.device().map(Device::limits)
     }
 
-    /// Each kernel's counts since the last call, by the kernel's path. Empty on the CPU, and for kernels without
-    /// counters.
+    /// Each dispatch's counts since the last call, in their order, after the kernel's path. Empty on the CPU, and for
+    /// kernels without counters.
     pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
         self.gpu.as_ref().map_or(Ok(Vec::new()), |gpu| gpu.kernels().tallies())
     }

@@ -31,6 +31,7 @@ fn a_protected_baseline_is_read(here: &tempfile::TempDir) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_spill_is_found_without_the_gpu() {
     let here = folder(&[]);
     let line = "compile sphere --set object.0.detail=2 --for";

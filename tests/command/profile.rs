@@ -62,6 +62,37 @@ fn a_solver_is_profiled_as_far_as_it_goes() {
 }
 
 #[test]
+fn a_frame_is_predicted_for_another_device() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, &format!("profile {SMALL} --as h100 --by kernel --csv a.csv"));
+    for words in ["as on NVIDIA H100 SXM: predicted, not measured; counted on", "1 submissions 20 us", "bound by"] {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    let mut csv = csv::Reader::from_path(here.path().join("a.csv")).unwrap();
+    let heads = csv.headers().unwrap().clone();
+    let rows: Vec<_> = csv.records().map(Result::unwrap).collect();
+    let row =
+        |kernel: &str| rows.iter().find(|row| &row[0] == kernel).unwrap_or_else(|| panic!("no {kernel}: {rows:?}"));
+    let cell = |kernel: &str, head: &str| -> f64 {
+        row(kernel)[heads.iter().position(|known| known == head).unwrap()].parse().unwrap()
+    };
+    // The device at hand shares its work as the other one does: 128 invocations walk for each block.
+    let count = "transport/blocks/link/count";
+    assert!(cell(count, "invocations") >= 128.0 && cell(count, "shared") > 0.0, "{out}");
+    for kernel in [count, "transport/blocks/gather/direct", "lighting/irradiance"] {
+        assert!(
+            cell(kernel, "steps") > 0.0 && cell(kernel, "loads") > 0.0 && cell(kernel, "us") > 2.0,
+            "{kernel}: {out}"
+        );
+    }
+    let one = format!("profile {SMALL} --as");
+    bad(&here, &format!("{one} h200"), 2, &["--as: no such device", "found h200", "expected h100, navi21"]);
+    bad(&here, &format!("{one} h100 --by dispatch"), 2, &["--as: predicts stages", "expected --by kernel"]);
+    bad(&here, &format!("{one} h100 --device cpu"), 2, &["--as: measures a Vulkan device"]);
+    bad(&here, &format!("{one} h100 --why"), 2, &["--as", "--why"]);
+}
+
+#[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_profile_times_each_kernel() {
     let here = folder(&[]);

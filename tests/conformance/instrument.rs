@@ -14,6 +14,7 @@ use milkglass::measure::profile::{Open, Settings, against, profile};
 use milkglass::scene::Scene;
 
 static COUNT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-count.spv"));
+static CHAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-chain.spv"));
 
 #[test]
 fn kernels_count_what_they_do() {
@@ -30,6 +31,42 @@ fn kernels_count_what_they_do() {
             assert_eq!(tally.flops, elements * (2 * rounds + 6), "{elements} x {rounds}");
             assert_eq!(tally.moved[&0], Traffic { loaded: 8 * all, stored: 0 });
             assert_eq!(tally.moved[&1], Traffic { loaded: 8 * elements, stored: 4 * elements });
+        }
+    });
+}
+
+#[test]
+fn the_longest_chain_of_loads_is_counted() {
+    on_devices(|device| {
+        for (elements, rounds) in [(1000u64, 10u64), (64, 0), (1, 3)] {
+            let size: Vec<u8> = [elements, rounds].iter().flat_map(|&n| (n as u32).to_ne_bytes()).collect();
+            let next: Vec<u8> = (0..elements as u32).flat_map(|k| ((k + 1) % elements as u32).to_ne_bytes()).collect();
+            let mut buffers = [size, next.clone(), next];
+            let alone = SingleKernel { name: "chain", spirv: CHAIN, constants: &[] };
+            let tally = alone.tally(device, &mut buffers, elements).unwrap().unwrap();
+            let place = |k: u64| ((k + rounds + k) % elements + 2) % elements + (k + 1) % elements;
+            let found: Vec<u64> =
+                buffers[2].chunks(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]]).into()).collect();
+            assert_eq!(found, (0..elements).map(place).collect::<Vec<_>>());
+            // The size is loaded first, by all; then come the list and the two loads after it.
+            let (all, last) = (elements.next_multiple_of(64), elements - 1);
+            let longest = tally.longest;
+            assert_eq!(
+                (longest.loads, longest.shared),
+                (1 + rounds + last + 2, 0),
+                "{}: {elements} x {rounds}",
+                device.name()
+            );
+            assert_eq!(
+                tally.chains.loads,
+                all + elements * (rounds + 2) + last * elements / 2,
+                "{elements} x {rounds}"
+            );
+            // Invocations differ by their steps only: by how much they lag behind the last one, its step follows.
+            if elements == all {
+                let (lag, steps) = (elements * longest.steps - tally.chains.steps, last * elements / 2);
+                assert!(lag % steps == 0 && (3..30).contains(&(lag / steps)), "{lag} over {steps} steps");
+            }
         }
     });
 }

@@ -53,6 +53,7 @@ fn means(scene: &Scene, transport: ShadingMethod) -> (Vec<DVec3>, DVec3) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn radiosity_does_not_depend_on_how_a_box_was_cut() {
     for (material, transport, size) in [
         ("marble", ShadingMethod::Hierarchy, 20.0),
@@ -108,6 +109,7 @@ fn the_check_sees_triangles_that_were_left_long() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn lights_and_places_change_without_another_division_and_the_rest_with_one() {
     let first = scene("marble", 6.0, "");
     let mut session = Session::new(&first, None, options(ShadingMethod::Hierarchy)).unwrap();

@@ -69,6 +69,12 @@ pub struct Arguments {
     /// Time stages, each kernel, or each of its dispatches.
     #[arg(long, value_enum, default_value_t = By::Stage, conflicts_with_all = ["against", "replace", "why"])]
     by: By,
+    /// Predict how long a frame takes on another device: `h100`, `navi21`, or a TOML file with its figures. Nothing is
+    /// timed; the device at hand counts the work and the longest chains.
+    #[arg(long = "as", value_name = "MODEL",
+          conflicts_with_all = ["compare", "against", "replace", "why", "save", "trace", "roofline", "history", "frames",
+                                "until", "budget", "seed"])]
+    pub(super) model: Option<String>,
     #[command(flatten)]
     pub(super) gate: Gate,
     /// Run frames as standard input asks for them.
@@ -152,6 +158,7 @@ impl Arguments {
             ("--csv", self.csv.is_some()),
             ("--trace", self.trace.is_some()),
             ("--why", self.why),
+            ("--as", self.model.is_some()),
             (self.by.option(), self.by != By::Stage),
             ("--roofline", self.roofline.is_some()),
             ("--replace", !self.replace.pairs().is_empty()),
@@ -168,6 +175,10 @@ impl Arguments {
             let fault = refused(key, "nothing is measured").found("two files of --compare");
             return Err(fault.expected("one of them and a scene").into());
         }
+        if self.model.is_some() && self.by == By::Dispatch {
+            let fault = refused("--as", "predicts stages and kernels").found(self.by.option());
+            return Err(fault.expected(By::Kernel.option()).into());
+        }
         if self.roofline.is_some() && self.by == By::Dispatch {
             let fault = refused("--roofline", "what kernels do is not counted for each of their dispatches");
             return Err(fault.found(self.by.option()).expected(By::Kernel.option()).into());
@@ -183,7 +194,7 @@ impl Arguments {
 
     /// Fails if the device has not what an option needs.
     pub(super) fn suits(&self, device: Option<&Device>) -> Result<()> {
-        let needs = [("--why", self.why), ("--roofline", self.roofline.is_some())];
+        let needs = [("--why", self.why), ("--as", self.model.is_some()), ("--roofline", self.roofline.is_some())];
         match (needs.iter().find(|(_, given)| *given), device) {
             (Some((key, _)), None) => {
                 let fault = Input::new("measures a Vulkan device").key(*key).found("the CPU");
@@ -227,13 +238,21 @@ impl Arguments {
             By::Kernel => Timed::Kernels,
             By::Dispatch => Timed::Dispatches,
         };
+        let lanes = self.model.as_ref().map(|_| u32::MAX);
         let device = match device {
+            Some(device) if timed == Timed::Steps && lanes.is_some() => {
+                Some(device.opened_as(&Choices { lanes, ..device.choices().clone() })?)
+            }
             device if timed == Timed::Steps => device,
             Some(device) if device.limits().timestamp_period == 0.0 => {
                 let fault = Input::new("times kernels by the device's timestamps").key(self.by.option());
                 return Err(fault.found(format!("none of {}", device.name())).into());
             }
-            Some(device) => Some(device.opened_as(&Choices { timed, ..device.choices().clone() })?),
+            Some(device) => Some(device.opened_as(&Choices {
+                timed,
+                lanes: lanes.or(device.choices().lanes),
+                ..device.choices().clone()
+            })?),
             None => {
                 let fault = Input::new("times kernels of a Vulkan device").key(self.by.option()).found("the CPU");
                 return Err(fault.expected("a device that `milkglass devices` lists").into());

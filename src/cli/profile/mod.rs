@@ -6,6 +6,7 @@ mod comparison;
 mod gate;
 mod junit;
 mod pipe;
+mod predicted;
 mod text;
 mod why;
 
@@ -30,7 +31,7 @@ use milkglass::measure::profile::file::{Saved, Subject, read};
 use milkglass::measure::profile::history::{self, Entry};
 use milkglass::measure::profile::roofline;
 use milkglass::measure::profile::why::why;
-use milkglass::measure::profile::{Open, Profile, Settings, against, agreement, profile, result, variant, work};
+use milkglass::measure::profile::{Model, Open, Profile, Settings, against, agreement, profile, result, variant, work};
 use milkglass::measure::replace::stages;
 use milkglass::measure::results::system;
 use milkglass::measure::rounds::{Forecast, Measured, Samples, Starter, compare};
@@ -67,6 +68,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return serve(&scene, device.as_ref(), &settings);
     }
     arguments.suits(device.as_ref())?;
+    if let (Some(model), Some(device)) = (&arguments.model, &device) {
+        return predicted::run(arguments, &Model::read(model)?, &scene, device, &settings);
+    }
     let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)], false)?.map(|(device, _)| device);
     let mut comparison = match &own {
         Some(after) => replacement(arguments, &scene, (device.as_ref(), after), &settings)?,

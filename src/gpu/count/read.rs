@@ -1,11 +1,11 @@
 //! What a module of SPIR-V declares, and what its instructions do.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use spirq::spirv::{Decoration, GLOp, Op, StorageClass};
 
 use super::code::Code;
-use super::tally::{Block, Traffic};
+use super::tally::{Block, CHAIN, Traffic};
 use crate::gpu::spirv_module::{Declared, Instruction, instructions};
 
 /// What the values of a module are, as far as counting needs it. Keys are ids.
@@ -15,9 +15,14 @@ pub(super) struct Module<'a> {
     values: BTreeMap<u32, u32>,
     /// The binding behind each pointer into a buffer.
     pointers: BTreeMap<u32, u32>,
+    /// Pointers into shared memory.
+    shared: BTreeSet<u32>,
     /// The instruction set GLSL.std.450.
     glsl: u32,
 }
+
+/// For each value of a block: what it comes from, one after the other, as [`Chain`](super::Chain) has it.
+pub(super) type Chains = BTreeMap<u32, [u32; CHAIN]>;
 
 /// How large a type is.
 #[derive(Clone, Copy)]
@@ -31,6 +36,9 @@ struct TypeSize {
 /// A number of 32 bits, which stands for every type that is not known.
 const WORD: TypeSize = TypeSize { components: 1, bytes: 4 };
 
+/// Instructions of arithmetic in the time of a root, a quotient or an exponential.
+const SPECIAL: u32 = 8;
+
 /// What an extended instruction costs.
 #[derive(Default)]
 struct Cost {
@@ -43,15 +51,21 @@ impl<'a> Module<'a> {
     /// Reads a module.
     pub(super) fn of(words: &'a [u32]) -> Self {
         const STORAGE_BUFFER: u32 = StorageClass::StorageBuffer as u32;
+        const WORKGROUP: u32 = StorageClass::Workgroup as u32;
         let declared = Declared::of(words);
-        let (mut values, mut pointers, mut glsl, mut typed) = (BTreeMap::new(), BTreeMap::new(), 0, false);
+        let (mut values, mut pointers, mut shared) = (BTreeMap::new(), BTreeMap::new(), BTreeSet::new());
+        let (mut glsl, mut typed) = (0, false);
         for Instruction { op, operands, .. } in instructions(words) {
             match (op, operands) {
                 (Some(Op::ExtInstImport), [id, ..]) => glsl = *id,
                 (Some(Op::Variable), [_, id, STORAGE_BUFFER, ..]) => {
                     pointers.extend(declared.decoration(*id, Decoration::Binding).map(|binding| (*id, binding)));
                 }
+                (Some(Op::Variable), [_, id, WORKGROUP, ..]) => drop(shared.insert(*id)),
                 (Some(Op::AccessChain | Op::InBoundsAccessChain), [_, id, base, ..]) => {
+                    if shared.contains(base) {
+                        shared.insert(*id);
+                    }
                     let binding = pointers.get(base).copied();
                     pointers.extend(binding.map(|binding| (*id, binding)));
                 }
@@ -67,7 +81,7 @@ impl<'a> Module<'a> {
                 values.insert(*value, *ty);
             }
         }
-        Self { declared, values, pointers, glsl }
+        Self { declared, values, pointers, shared, glsl }
     }
 
     /// The size of a type.
@@ -137,6 +151,90 @@ impl<'a> Module<'a> {
         }
     }
 
+    /// Adds what an instruction of a block issues, and what it lengthens a chain of its block by.
+    ///
+    /// An instruction waits for those that its operands come from; those that do not need one another wait together.
+    /// Across blocks all wait: a branch in between needs most of them. An atomic operation waits like a load.
+    pub(super) fn chain(&self, block: &mut Block, instruction: Instruction<'_>, chains: &mut Chains) {
+        let Instruction { op: Some(op), operands, .. } = instruction else { return };
+        let issued = self.issued(op, operands);
+        block.instructions += issued;
+        let before = |kind: usize| operands.iter().filter_map(|id| Some(chains.get(id)?[kind])).max().unwrap_or(0);
+        let mut chain: [u32; CHAIN] = std::array::from_fn(before);
+        chain[0] += if issued == 0 { 0 } else { self.special(op, operands).unwrap_or(1) };
+        match (op, operands) {
+            (Op::ControlBarrier, _) => block.chain[2] += 1,
+            (op, _) if exchanges(op) => chain[2] += 1,
+            (op, [_, _, pointer, ..]) if matches!(op, Op::Load | Op::AtomicLoad) || replaces(op) => {
+                chain[1] += u32::from(self.pointers.contains_key(pointer));
+                chain[2] += u32::from(self.shared.contains(pointer));
+            }
+            _ => {}
+        }
+        for (most, own) in block.chain.iter_mut().zip(chain) {
+            *most = (*most).max(own);
+        }
+        // A store has no result, and its second operand is not one.
+        if let [_, id, ..] = operands
+            && !matches!(op, Op::Store | Op::AtomicStore)
+        {
+            chains.insert(*id, chain);
+        }
+    }
+
+    /// How many instructions take as long as this one does for a number, if special units have it, at an eighth of the
+    /// rate. Without integer division in hardware, compilers go by a float's reciprocal.
+    fn special(&self, op: Op, operands: &[u32]) -> Option<u32> {
+        match op {
+            Op::FDiv | Op::FRem | Op::FMod => Some(SPECIAL),
+            Op::UDiv | Op::SDiv | Op::UMod | Op::SRem | Op::SMod => Some(2 * SPECIAL),
+            Op::ExtInst => {
+                let Cost { roots, exps, flops } = self.cost_of(operands, 1);
+                Some(SPECIAL * (roots + exps) + flops.min(2)).filter(|cost| *cost > 0)
+            }
+            _ => None,
+        }
+    }
+
+    /// How many instructions of one number a processor issues for this one: one a component of arithmetic, one for 16
+    /// bytes that are loaded or stored. What only names, picks or puts together values takes registers and no
+    /// instruction.
+    fn issued(&self, op: Op, operands: &[u32]) -> u32 {
+        let result = || operands.first().map_or(WORD, |ty| self.size(*ty)).components.max(1);
+        match op {
+            Op::Line | Op::NoLine | Op::Label | Op::Variable | Op::Phi | Op::LoopMerge | Op::SelectionMerge => 0,
+            Op::CompositeConstruct | Op::CompositeExtract | Op::CompositeInsert | Op::VectorShuffle => 0,
+            Op::CopyObject | Op::CopyLogical | Op::Bitcast | Op::Undef | Op::FunctionEnd | Op::FunctionParameter => 0,
+            // Variables of an invocation are registers, as long as it does not run out of them.
+            Op::Load | Op::Store => {
+                let moved = self.traffic(op, operands).filter(|(pointer, _)| self.in_memory(*pointer));
+                moved.map_or(0, |(_, moved)| {
+                    u32::try_from((moved.loaded + moved.stored).div_ceil(16)).unwrap_or(1).max(1)
+                })
+            }
+            Op::AccessChain | Op::InBoundsAccessChain => operands.get(1).map_or(0, |id| self.in_memory(*id).into()),
+            Op::Dot => self.components_of(operands.get(2), 1),
+            Op::VectorTimesMatrix | Op::MatrixTimesVector | Op::MatrixTimesMatrix => 3 * result(),
+            Op::ExtInst => {
+                let Cost { flops, roots, exps } = self.cost_of(operands, result());
+                (flops + SPECIAL * (roots + exps)).max(result())
+            }
+            _ if operands.is_empty() || !self.values.contains_key(operands.get(1).unwrap_or(&0)) => 1,
+            _ => self.special(op, operands).unwrap_or(1) * result(),
+        }
+    }
+
+    /// Whether a pointer is into a buffer or shared memory.
+    fn in_memory(&self, pointer: u32) -> bool {
+        self.pointers.contains_key(&pointer) || self.shared.contains(&pointer)
+    }
+
+    /// The cost of a function of GLSL.std.450 whose result has `n` components.
+    fn cost_of(&self, operands: &[u32], n: u32) -> Cost {
+        let function = operands.get(3).and_then(|number| GLOp::from_u32(*number));
+        function.map_or_else(Cost::default, |f| extended(f, n, self.components_of(operands.get(4), n)))
+    }
+
     /// The pointer that an instruction loads or stores through, and the bytes that it moves.
     fn traffic(&self, op: Op, operands: &[u32]) -> Option<(u32, Traffic)> {
         match (op, operands) {
@@ -153,6 +251,11 @@ impl<'a> Module<'a> {
     fn components_of(&self, argument: Option<&u32>, otherwise: u32) -> u32 {
         argument.and_then(|value| self.values.get(value)).map_or(otherwise, |ty| self.size(*ty).components)
     }
+}
+
+/// Whether an instruction exchanges values within a subgroup.
+fn exchanges(op: Op) -> bool {
+    (Op::GroupNonUniformElect..=Op::GroupNonUniformQuadSwap).contains(&op)
 }
 
 /// Whether an instruction reads a word and writes it in one step.

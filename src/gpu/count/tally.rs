@@ -15,6 +15,10 @@ pub(in super::super) struct Block {
     pub(super) roots: u32,
     /// Exponentials and the like.
     pub(super) exps: u32,
+    /// Instructions that a processor issues, as [`Module`](super::read::Module) estimates them.
+    pub(super) instructions: u32,
+    /// What an invocation goes through one after the other, in the order of [`Chain`].
+    pub(super) chain: [u32; CHAIN],
     /// What it is made of; of the first block also what the module declares.
     pub(super) codes: BTreeSet<Code>,
     /// Bytes of buffers, by binding.
@@ -38,6 +42,35 @@ impl Traffic {
     }
 }
 
+/// Numbers of a [`Chain`].
+pub(super) const CHAIN: usize = 3;
+
+/// What an invocation goes through one after the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Chain {
+    /// Instructions one of which needs the one before it; or half of those that it issues, if that is more: two that do
+    /// not need one another take as long as one that does.
+    pub steps: u64,
+    /// Loads of buffers, one of which needs the one before it.
+    pub loads: u64,
+    /// Likewise loads of shared memory, and barriers and exchanges within a group.
+    pub shared: u64,
+}
+
+impl Chain {
+    /// From its numbers, in their order.
+    pub(in super::super) fn of([steps, loads, shared]: [u32; CHAIN]) -> Self {
+        Self { steps: steps.into(), loads: loads.into(), shared: shared.into() }
+    }
+
+    /// Adds what comes `times` times.
+    fn add(&mut self, times: u64, other: Self) {
+        self.steps += times * other.steps;
+        self.loads += times * other.loads;
+        self.shared += times * other.shared;
+    }
+}
+
 /// What a kernel has done.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
@@ -49,6 +82,13 @@ pub struct Tally {
     pub roots: u64,
     /// Exponentials, logarithms, circular functions.
     pub exps: u64,
+    /// Instructions that all invocations issue, estimated: one a number of arithmetic, eight a root, quotient or
+    /// exponential, one for 16 bytes of a load or store.
+    pub instructions: u64,
+    /// What all invocations go through, together.
+    pub chains: Chain,
+    /// The most of each that one invocation goes through; of several dispatches, one after the other, the sum.
+    pub longest: Chain,
     /// Bytes that loads and stores name, by binding.
     pub moved: BTreeMap<u32, Traffic>,
     /// What it is made of.
@@ -58,14 +98,16 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// What the blocks have done together, each having run `counts` times.
-    pub(in super::super) fn new(blocks: &[Block], counts: &[u64]) -> Self {
-        let mut tally = Self::default();
+    /// What the blocks have done together in a dispatch, each having run `counts` times.
+    pub(in super::super) fn new(blocks: &[Block], counts: &[u64], longest: Chain) -> Self {
+        let mut tally = Self { longest, ..Self::default() };
         for (block, &count) in blocks.iter().zip(counts) {
             tally.invocations += if block.entry { count } else { 0 };
             tally.flops += count * u64::from(block.flops);
             tally.roots += count * u64::from(block.roots);
             tally.exps += count * u64::from(block.exps);
+            tally.instructions += count * u64::from(block.instructions);
+            tally.chains.add(count, Chain::of(block.chain));
             tally.listed.extend(block.codes.iter().cloned());
             if count > 0 {
                 tally.executed.extend(block.codes.iter().cloned());
@@ -77,12 +119,15 @@ impl Tally {
         tally
     }
 
-    /// Adds what another kernel has done.
+    /// Adds what another dispatch has done.
     pub fn add(&mut self, other: &Self) {
         self.invocations += other.invocations;
         self.flops += other.flops;
         self.roots += other.roots;
         self.exps += other.exps;
+        self.instructions += other.instructions;
+        self.chains.add(1, other.chains);
+        self.longest.add(1, other.longest);
         self.listed.extend(other.listed.iter().cloned());
         self.executed.extend(other.executed.iter().cloned());
         for (&binding, &traffic) in &other.moved {

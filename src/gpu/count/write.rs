@@ -2,6 +2,7 @@
 
 use spirq::spirv::{Decoration, MemorySemantics, Op, Scope, StorageClass};
 
+use super::CHAIN;
 use crate::gpu::spirv_module::{Declared, Edited, Instruction};
 
 /// The binding of the counters, beyond every buffer of a frame.
@@ -16,16 +17,18 @@ pub(super) struct Counters {
     word_pointer: u32,
     /// The buffer.
     variable: u32,
-    /// The constant 0; `zero + n` is the constant n, for n below twice the number of counters.
+    /// The constant 0; `zero + n` is the constant n, up to the largest that was asked for.
     zero: u32,
     /// The constant of all ones.
     largest: u32,
+    /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain).
+    own: [u32; CHAIN],
 }
 
 impl Counters {
-    /// Adds the buffer to a module, for this many counters.
-    pub(super) fn declare(out: &mut Edited, module: &Declared<'_>, counters: u32) -> Self {
-        let class = StorageClass::StorageBuffer as u32;
+    /// Adds the buffer to a module, and the constants up to `most`.
+    pub(super) fn declare(out: &mut Edited, module: &Declared<'_>, most: u32) -> Self {
+        let [class, private] = [StorageClass::StorageBuffer, StorageClass::Private].map(|class| class as u32);
         let mut scalar = |op: Op, parts: &[u32]| {
             module.type_of(op, parts).unwrap_or_else(|| {
                 let id = out.id();
@@ -35,6 +38,7 @@ impl Counters {
         };
         let (uint, boolean) = (scalar(Op::TypeInt, &[32, 0]), scalar(Op::TypeBool, &[]));
         let [array, record, record_pointer, word_pointer, variable] = std::array::from_fn(|_| out.id());
+        let own_pointer = out.id();
         out.decorate(array, Decoration::ArrayStride, &[4]);
         out.decorate(record, Decoration::Block, &[]);
         out.decorate_member(record, 0, Decoration::Offset, 0);
@@ -51,24 +55,51 @@ impl Counters {
             id
         };
         let zero = constant(0);
-        for number in 1..2 * counters.max(1) {
+        for number in 1..=most.max(1) {
             constant(number);
         }
         let largest = constant(u32::MAX);
-        Self { uint, boolean, word_pointer, variable, zero, largest }
+        out.declare(Op::TypePointer, &[own_pointer, private, uint]);
+        let own = std::array::from_fn(|_| out.id());
+        own.iter().for_each(|id| out.declare(Op::Variable, &[own_pointer, *id, private, zero]));
+        Self { uint, boolean, word_pointer, variable, zero, largest, own }
     }
 
     /// Copies an instruction; the entry point lists the variables that it uses.
     pub(super) fn keep(self, out: &mut Edited, instruction: Instruction<'_>) {
         match instruction.op {
-            Some(Op::EntryPoint) => out.put(Op::EntryPoint, &[instruction.operands, &[self.variable]].concat()),
+            Some(Op::EntryPoint) => {
+                out.put(Op::EntryPoint, &[instruction.operands, &[self.variable], &self.own].concat());
+            }
             _ => out.keep(instruction),
+        }
+    }
+
+    /// Adds these numbers to what the invocation has done so far.
+    pub(super) fn add(self, out: &mut Edited, numbers: [u32; CHAIN]) {
+        for (own, number) in self.own.into_iter().zip(numbers).filter(|(_, number)| *number > 0) {
+            let [before, after] = std::array::from_fn(|_| out.id());
+            out.put(Op::Load, &[self.uint, before, own]);
+            out.put(Op::IAdd, &[self.uint, after, before, self.zero + number]);
+            out.put(Op::Store, &[own, after]);
+        }
+    }
+
+    /// The invocation ends: the words from this one on become what it has done, if that is more.
+    pub(super) fn end(self, out: &mut Edited, first: u32) {
+        let Self { uint, word_pointer, variable, zero, own, .. } = self;
+        let (scope, semantics) = (zero + Scope::Device as u32, zero + MemorySemantics::RELAXED.bits());
+        for (own, word) in own.into_iter().zip(first..) {
+            let [place, done, before] = std::array::from_fn(|_| out.id());
+            out.put(Op::AccessChain, &[word_pointer, place, variable, zero, zero + word]);
+            out.put(Op::Load, &[uint, done, own]);
+            out.put(Op::AtomicUMax, &[uint, before, place, scope, semantics, done]);
         }
     }
 
     /// Adds one to a counter of 64 bits: to its lower word, and to its upper one where the lower one overflows.
     pub(super) fn count(self, out: &mut Edited, counter: u32) {
-        let Self { uint, boolean, word_pointer, variable, zero, largest } = self;
+        let Self { uint, boolean, word_pointer, variable, zero, largest, .. } = self;
         let constant = |number: u32| zero + number;
         let (one, scope) = (constant(1), constant(Scope::Device as u32));
         let semantics = constant(MemorySemantics::RELAXED.bits());

@@ -8,6 +8,7 @@
 mod agreement;
 pub mod file;
 pub mod history;
+mod model;
 mod quantiles;
 mod rates;
 mod roofline;
@@ -17,6 +18,7 @@ pub mod why;
 mod work;
 
 pub use self::agreement::{Agreement, agreement};
+pub use self::model::{Model, Predicted, Prediction, predict};
 pub use self::quantiles::Quantiles;
 pub use rates::{Rates, rates};
 pub use roofline::roofline;

@@ -43,6 +43,15 @@ pub struct Work {
     /// Bytes that stores request, with repetitions.
     #[serde(rename = "bytes_stored")]
     pub stored: u64,
+    /// Instructions that all invocations issue, estimated: one a number of arithmetic, integers included, eight a root,
+    /// quotient or exponential, one for 16 bytes of a load or store.
+    pub instructions: u64,
+    /// Instructions that wait for one another, of the invocation with the most of them, summed over the dispatches.
+    pub longest_steps: u64,
+    /// Loads of buffers that wait for one another, likewise.
+    pub longest_loads: u64,
+    /// Loads of shared memory, barriers and exchanges in a group, likewise.
+    pub longest_shared: u64,
 }
 
 /// The work of each stage in a frame of this scene on a device, by a session of its own.
@@ -59,31 +68,66 @@ pub(super) fn of(
     settings: &Settings,
     plain: &mut Session,
 ) -> Result<BTreeMap<String, Work>> {
+    let (session, counted) = counted(scene, device, settings, plain)?;
+    let bound = bound(&session, settings)?;
+    let mut stages: BTreeMap<String, Tally> = BTreeMap::new();
+    for (kernel, tally) in counted {
+        if let Some(name) = row_of(&session, &kernel) {
+            stages.entry(name).or_default().add(&tally);
+        }
+    }
+    let work = |(stage, tally): (String, Tally)| {
+        let most = |slot: BufferId| bound.get(&(stage.clone(), slot)).copied().unwrap_or_default();
+        let work = Work::new(&tally, most);
+        (stage, work)
+    };
+    Ok(stages.into_iter().map(work).collect())
+}
+
+/// What each dispatch of a frame of this scene has done, after its kernel's name, on a device with instrumented
+/// kernels, and the session that counted; the result must be that of the session `plain`.
+pub(super) fn counted(
+    scene: &Scene,
+    device: &Device,
+    settings: &Settings,
+    plain: &mut Session,
+) -> Result<(Session, Vec<(String, Tally)>)> {
     // Instrumented kernels are slow: the first frame serves as the measured one if the others would be the same.
     let mut session = Session::new(scene, Some(device), settings.options)?;
     session.frame(Change::EVERYTHING)?;
-    let mut counted = tallies(&session)?;
+    let mut counted = session.tallies()?;
     if settings.change != Change::EVERYTHING || session.retries() + session.relinks() > 0 {
         session.frame(settings.change)?;
-        counted = tallies(&session)?;
+        counted = session.tallies()?;
     }
     same_work(&mut session, plain)?;
-    let bound = bound(&session, settings)?;
-    let mut stages: BTreeMap<String, Work> = BTreeMap::new();
-    for (stage, tally) in counted {
-        let work = stages.entry(stage.clone()).or_default();
-        (work.invocations, work.flops, work.roots, work.exps) =
-            (tally.invocations, tally.flops, tally.roots, tally.exps);
-        for (binding, Traffic { loaded, stored }) in tally.moved {
-            let Some(&slot) = BUFFER_IDS.get(binding as usize) else { continue };
-            let most = bound.get(&(stage.clone(), slot)).copied().unwrap_or_default();
+    Ok((session, counted))
+}
+
+impl Work {
+    /// What was counted, where so many bytes of each buffer are bound.
+    fn new(tally: &Tally, bound: impl Fn(BufferId) -> u64) -> Self {
+        let mut work = Self {
+            invocations: tally.invocations,
+            flops: tally.flops,
+            roots: tally.roots,
+            exps: tally.exps,
+            instructions: tally.instructions,
+            longest_steps: tally.longest.steps,
+            longest_loads: tally.longest.loads,
+            longest_shared: tally.longest.shared,
+            ..Self::default()
+        };
+        for (binding, &Traffic { loaded, stored }) in &tally.moved {
+            let Some(&slot) = BUFFER_IDS.get(*binding as usize) else { continue };
+            let most = bound(slot);
             work.loaded += loaded;
             work.stored += stored;
             work.read += loaded.min(most);
             work.written += stored.min(most);
         }
+        work
     }
-    Ok(stages)
 }
 
 /// Fails unless the frame with kernels that count did the work of the one without. Compilers may contract the
@@ -107,16 +151,10 @@ fn by_kernel(session: &Session) -> bool {
     session.device().is_some_and(|device| device.choices().timed == Timed::Kernels)
 }
 
-/// Counts of each stage's kernels since the last call.
-fn tallies(session: &Session) -> Result<BTreeMap<String, Tally>> {
-    let mut stages: BTreeMap<String, Tally> = BTreeMap::new();
-    for (kernel, tally) in session.tallies()? {
-        if let Some(stage) = owner(&kernel) {
-            let name = if by_kernel(session) { kernel } else { stage.name.to_string() };
-            stages.entry(name).or_default().add(&tally);
-        }
-    }
-    Ok(stages)
+/// The row of a kernel: itself, or its stage.
+pub(super) fn row_of(session: &Session, kernel: &str) -> Option<String> {
+    let stage = owner(kernel)?;
+    Some(if by_kernel(session) { kernel.to_string() } else { stage.name.to_string() })
 }
 
 /// Bytes of each buffer that a stage binds in a frame, overlapping ranges counted once.

@@ -1,0 +1,64 @@
+//! How long a frame would take on another device, as a table.
+
+use super::{Arguments, check_messages, print, write};
+use milkglass::error::Result;
+use milkglass::internals::gpu::Device;
+use milkglass::measure::profile::{Model, Predicted, Prediction, Settings, predict};
+use milkglass::measure::table::Table;
+use milkglass::scene::Scene;
+
+/// Counts on the device at hand, predicts, prints, and writes the file of `--csv`.
+pub(super) fn run(
+    arguments: &Arguments,
+    model: &Model,
+    scene: &Scene,
+    device: &Device,
+    settings: &Settings,
+) -> Result<()> {
+    let found = predict(scene, device, settings, model)?;
+    check_messages(Some(device))?;
+    print(&text(&found))?;
+    arguments.csv.iter().try_for_each(|path| write(path, table(&found).csv()?))
+}
+
+fn text(found: &Prediction) -> String {
+    let (device, submissions) = (found.us(), found.submissions as f64 * found.model.submission_us);
+    format!(
+        "{} as on {}: predicted, not measured; counted on {}\n\
+         a frame: {:.0} us on the device, {} submissions {submissions:.0} us\n\n\
+         instructions: of all invocations, in millions; of the longest invocation of each dispatch: steps, instructions that wait\n\
+         for one another; loads of buffers, likewise; shared, loads of shared memory, barriers and exchanges. Then us: launches\n\
+         and barriers; dispatches bound by issue, by residence (how many invocations the device holds) and by their chain\n\n{}",
+        found.scene,
+        found.model.name,
+        found.counted_on,
+        device,
+        found.submissions,
+        table(found).text()
+    )
+}
+
+fn table(found: &Prediction) -> Table {
+    let us = |us: f64| format!("{us:.1}");
+    let whole = found.us();
+    Table::of(
+        &found.rows,
+        &[
+            ("stage", "", &|row: &Predicted| row.stage.clone()),
+            ("dispatches", "", &|row| row.dispatches.to_string()),
+            ("barriers", "", &|row| row.barriers.to_string()),
+            ("invocations", "", &|row| row.invocations.to_string()),
+            ("instructions", "", &|row| format!("{:.3}", row.instructions as f64 * 1e-6)),
+            ("steps", "", &|row| row.longest_steps.to_string()),
+            ("loads", "", &|row| row.longest_loads.to_string()),
+            ("shared", "", &|row| row.longest_shared.to_string()),
+            ("launches", "", &|row| us(row.launches_us)),
+            ("issue", "", &|row| us(row.issue_us)),
+            ("residence", "", &|row| us(row.residence_us)),
+            ("chain", "", &|row| us(row.chain_us)),
+            ("us", "", &|row| us(row.us())),
+            ("share", "", &|row| format!("{:.1} %", 100.0 * row.us() / whole)),
+            ("bound by", "", &|row| row.bound().to_string()),
+        ],
+    )
+}

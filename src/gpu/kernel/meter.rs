@@ -1,0 +1,91 @@
+//! The counters of a kernel: a range of one buffer for each of its dispatches.
+
+use std::cell::RefCell;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::Kernel;
+use crate::error::Result;
+use crate::gpu::count::{Block, Chain, Counted, Tally, counted};
+use crate::gpu::logical_device::LogicalDevice;
+use crate::gpu::memory::Buffer;
+
+/// Most dispatches that have counters of their own; those beyond share the last one's.
+const MOST: usize = 256;
+/// Every device binds buffers from multiples of so many bytes.
+const ALIGNMENT: usize = 256;
+
+/// The number of the next dispatch of any kernel that counts.
+static NEXT: AtomicU64 = AtomicU64::new(0);
+
+/// The counters of a kernel.
+pub(in super::super) struct Meter {
+    /// What each block does when it runs once.
+    blocks: Vec<Block>,
+    /// A range for each dispatch.
+    counters: Buffer,
+    /// The numbers of the dispatches since the last reading.
+    dispatches: RefCell<Vec<u64>>,
+}
+
+impl Meter {
+    fn new(device: &LogicalDevice, blocks: Vec<Block>) -> Result<Self> {
+        let bytes = MOST * Self::stride(&blocks);
+        let counters = Buffer::new(device, "counters", bytes as u64)?;
+        counters.upload(&vec![0; bytes])?;
+        Ok(Self { blocks, counters, dispatches: RefCell::default() })
+    }
+
+    /// Bytes from one range to the next.
+    fn stride(blocks: &[Block]) -> usize {
+        (4 * Counted::counters(blocks)).next_multiple_of(ALIGNMENT)
+    }
+
+    /// The buffer, and the first byte and the size of the next dispatch's range.
+    pub(in super::super) fn next(&self) -> (&Buffer, u64, u64) {
+        let mut dispatches = self.dispatches.borrow_mut();
+        if dispatches.len() < MOST {
+            dispatches.push(NEXT.fetch_add(1, Ordering::Relaxed));
+        }
+        let stride = Self::stride(&self.blocks) as u64;
+        (&self.counters, (dispatches.len() as u64 - 1) * stride, stride)
+    }
+
+    /// What each dispatch has done since the last call, after its number.
+    fn read(&self) -> Result<Vec<(u64, Tally)>> {
+        let dispatches = self.dispatches.take();
+        let stride = Self::stride(&self.blocks) / 4;
+        let mut words = vec![0u32; dispatches.len() * stride];
+        if words.is_empty() {
+            return Ok(Vec::new());
+        }
+        self.counters.download(bytemuck::cast_slice_mut(&mut words))?;
+        self.counters.upload(&vec![0; 4 * words.len()])?;
+        let tally = |words: &[u32]| {
+            let (counts, longest) = words.split_at(2 * self.blocks.len());
+            let counts: Vec<u64> = counts.chunks(2).map(|both| u64::from(both[1]) << 32 | u64::from(both[0])).collect();
+            Tally::new(&self.blocks, &counts, Chain::of([longest[0], longest[1], longest[2]]))
+        };
+        Ok(dispatches.into_iter().zip(words.chunks(stride).map(tally)).collect())
+    }
+}
+
+impl Kernel {
+    /// The kernel with counters, if its SPIR-V is of the kind that the build makes; else without.
+    pub(in super::super) fn counting(
+        device: &LogicalDevice,
+        name: &str,
+        words: Vec<u32>,
+        constants: &[u32],
+    ) -> Result<Self> {
+        let Some(counted) = counted(&words) else { return Self::new(device, name, words, constants) };
+        let mut kernel = Self::new(device, name, counted.words, constants)?;
+        kernel.meter = Some(Meter::new(device, counted.blocks)?);
+        Ok(kernel)
+    }
+
+    /// What each dispatch has done since the last call, after its number among all dispatches that count; none if it
+    /// does not count.
+    pub(in super::super) fn tallies(&self) -> Result<Vec<(u64, Tally)>> {
+        self.meter.as_ref().map_or(Ok(Vec::new()), Meter::read)
+    }
+}

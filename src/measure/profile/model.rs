@@ -1,0 +1,285 @@
+//! How long a frame would take on another device: counted work and chains, by a few fixed figures of that device.
+//!
+//! A dispatch takes at least as long as each of three things: issuing all instructions at the device's rate; the waits
+//! of all invocations, shared out over as many as the device holds at a time; and the chain, what its longest
+//! invocation waits for. The largest counts, with what launches and barriers cost. Left out are divergent branches, loads
+//! of scattered words, which take turns, and memory beyond the cache: neither how long it takes nor how much it moves.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::work::{counted, row_of};
+use super::{Settings, variant};
+use crate::error::{Error, Input, Result};
+use crate::gpu::count::{Chain, Tally};
+use crate::gpu::{Device, Timing};
+use crate::scene::{Scene, from_toml};
+
+/// The devices that are known by name.
+const KNOWN: &[(&str, &str)] =
+    &[("h100", include_str!("models/h100.toml")), ("navi21", include_str!("models/navi21.toml"))];
+
+/// A device, as far as predictions know it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Its name.
+    pub name: String,
+    /// Its multiprocessors.
+    pub multiprocessors: f64,
+    /// Instructions, counted once an invocation, that a multiprocessor issues a cycle.
+    pub issued_a_cycle: f64,
+    /// Cycles of a nanosecond.
+    pub clock_ghz: f64,
+    /// Invocations that a multiprocessor holds at a time.
+    pub threads: f64,
+    /// Cycles from an instruction to one that needs its result.
+    pub instruction_cycles: f64,
+    /// Cycles of a load that is served by the cache of all multiprocessors.
+    pub load_cycles: f64,
+    /// Cycles of a load of shared memory, of a barrier in a group that nobody is late for, and of an exchange.
+    pub shared_cycles: f64,
+    /// Microseconds of a dispatch that does nothing.
+    pub dispatch_us: f64,
+    /// Microseconds of a barrier.
+    pub barrier_us: f64,
+    /// Microseconds of a submission and the wait for it.
+    pub submission_us: f64,
+}
+
+/// What a stage or a kernel would take, microseconds a frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Predicted {
+    /// Its name.
+    pub stage: String,
+    /// Its dispatches.
+    pub dispatches: usize,
+    /// Its barriers.
+    pub barriers: usize,
+    /// Invocations, whole groups.
+    pub invocations: u64,
+    /// Instructions of all invocations.
+    pub instructions: u64,
+    /// Instructions that wait for one another, of the longest invocation, summed over the dispatches.
+    pub longest_steps: u64,
+    /// Likewise loads of buffers.
+    pub longest_loads: u64,
+    /// Likewise loads of shared memory, barriers and exchanges.
+    pub longest_shared: u64,
+    /// Launches and barriers.
+    pub launches_us: f64,
+    /// Dispatches that last as long as their instructions take to be issued.
+    pub issue_us: f64,
+    /// Dispatches that last as long as the device needs to hold all their invocations, one after the other.
+    pub residence_us: f64,
+    /// Dispatches that last as long as their longest invocation.
+    pub chain_us: f64,
+}
+
+/// A frame as another device would take it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Prediction {
+    /// The device.
+    pub model: Model,
+    /// The device that counted.
+    pub counted_on: String,
+    /// The scene.
+    pub scene: String,
+    /// Stages or kernels, in the order of the frame.
+    pub rows: Vec<Predicted>,
+    /// Submissions of a frame.
+    pub submissions: u64,
+}
+
+impl Model {
+    /// The names of the devices that are known.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        KNOWN.iter().map(|(name, _)| *name)
+    }
+
+    /// The device of this name, or that a file describes.
+    pub fn read(name: &str) -> Result<Self> {
+        let (text, path) = match KNOWN.iter().find(|(known, _)| *known == name) {
+            Some((_, text)) => ((*text).to_string(), Path::new(name)),
+            None => {
+                let path = Path::new(name);
+                let fault = |error: std::io::Error| {
+                    let names: Vec<&str> = Self::names().collect();
+                    let fault = Input::new(format!("no such device, and no file: {error}")).key("--as").found(name);
+                    Error::from(fault.expected(format!("{}, or a TOML file that describes one", names.join(", "))))
+                };
+                (std::fs::read_to_string(path).map_err(fault)?, path)
+            }
+        };
+        let model: Self = toml::from_str(&text).map_err(|error| from_toml(&error, &text, path))?;
+        let wrong = model.figures().into_iter().find(|(_, figure)| !(figure.is_finite() && *figure > 0.0));
+        wrong.map_or(Ok(model.clone()), |(key, figure)| {
+            let line = crate::scene::line_of(&text, key);
+            let fault = Input { line, ..Input::new("not a figure of a device").file(path).key(key) };
+            Err(fault.found(figure).expected("a number above 0").into())
+        })
+    }
+
+    /// The figures with their keys.
+    fn figures(&self) -> [(&'static str, f64); 10] {
+        [
+            ("multiprocessors", self.multiprocessors),
+            ("issued_a_cycle", self.issued_a_cycle),
+            ("clock_ghz", self.clock_ghz),
+            ("threads", self.threads),
+            ("instruction_cycles", self.instruction_cycles),
+            ("load_cycles", self.load_cycles),
+            ("shared_cycles", self.shared_cycles),
+            ("dispatch_us", self.dispatch_us),
+            ("barrier_us", self.barrier_us),
+            ("submission_us", self.submission_us),
+        ]
+    }
+
+    /// Microseconds of one dispatch: to issue its instructions, to hold its invocations, and of its chain.
+    fn bounds(&self, tally: &Tally) -> [f64; 3] {
+        let wait = |chain: Chain| {
+            let (loads, shared) = (chain.loads as f64 * self.load_cycles, chain.shared as f64 * self.shared_cycles);
+            chain.steps as f64 * self.instruction_cycles + loads + shared
+        };
+        let cycles = [
+            tally.instructions as f64 / (self.multiprocessors * self.issued_a_cycle),
+            wait(tally.chains) / (self.multiprocessors * self.threads),
+            wait(tally.longest),
+        ];
+        cycles.map(|cycles| 1e-3 * cycles / self.clock_ghz)
+    }
+}
+
+impl Predicted {
+    /// Adds a dispatch.
+    fn add(&mut self, model: &Model, tally: &Tally) {
+        self.invocations += tally.invocations;
+        self.instructions += tally.instructions;
+        self.longest_steps += tally.longest.steps;
+        self.longest_loads += tally.longest.loads;
+        self.longest_shared += tally.longest.shared;
+        let [issue, residence, chain] = model.bounds(tally);
+        let most = issue.max(residence).max(chain);
+        let part = match most {
+            _ if most == chain => &mut self.chain_us,
+            _ if most == issue => &mut self.issue_us,
+            _ => &mut self.residence_us,
+        };
+        *part += most;
+    }
+
+    /// Microseconds of all.
+    #[must_use]
+    pub fn us(&self) -> f64 {
+        self.launches_us + self.issue_us + self.residence_us + self.chain_us
+    }
+
+    /// What most of the time is.
+    #[must_use]
+    pub fn bound(&self) -> &'static str {
+        let parts = [
+            ("launches", self.launches_us),
+            ("issue", self.issue_us),
+            ("residence", self.residence_us),
+            ("chain", self.chain_us),
+        ];
+        parts.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or("-", |(name, _)| name)
+    }
+}
+
+impl Prediction {
+    /// Microseconds of a frame on the device.
+    #[must_use]
+    pub fn us(&self) -> f64 {
+        self.rows.iter().map(Predicted::us).sum()
+    }
+}
+
+/// A frame of this scene as a device of this model would take it, counted on another one. Kernels share their work as
+/// they do on the device that counts: [`Choices::lanes`](crate::gpu::Choices) says how wide.
+pub fn predict(scene: &Scene, device: &Device, settings: &Settings, model: &Model) -> Result<Prediction> {
+    let mut plain = variant(scene, Some(device), settings)?.session;
+    let before = device.submissions();
+    let steps = plain.frame(settings.change)?;
+    let submissions = device.submissions() - before;
+    let (session, tallies) = counted(scene, &device.counting(), settings, &mut plain)?;
+    let mut rows: Vec<Predicted> = Vec::new();
+    let mut places: BTreeMap<String, usize> = BTreeMap::new();
+    for Timing { name, dispatches, barriers, .. } in steps.iter().filter(|step| step.dispatches > 0) {
+        let place = *places.entry(name.clone()).or_insert(rows.len());
+        if place == rows.len() {
+            rows.push(Predicted { stage: name.clone(), ..Predicted::default() });
+        }
+        let row = &mut rows[place];
+        row.dispatches += dispatches;
+        row.barriers += barriers;
+        row.launches_us += *dispatches as f64 * model.dispatch_us + *barriers as f64 * model.barrier_us;
+    }
+    for (kernel, tally) in tallies {
+        if let Some(row) = row_of(&session, &kernel).and_then(|name| places.get(&name)) {
+            rows[*row].add(model, &tally);
+        }
+    }
+    let (counted_on, scene) = (device.name().to_string(), scene.name.clone());
+    Ok(Prediction { model: model.clone(), counted_on, scene, rows, submissions })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 2 multiprocessors that issue 8 instructions and hold 100 invocations, at 1 cycle a nanosecond.
+    const SMALL: &str = "name = 'small'\nmultiprocessors = 2\nissued_a_cycle = 8\nclock_ghz = 1\nthreads = 100\n\
+                         instruction_cycles = 4\nload_cycles = 250\nshared_cycles = 30\ndispatch_us = 2\nbarrier_us = 1\n\
+                         submission_us = 20\n";
+
+    #[test]
+    fn the_largest_bound_of_each_dispatch_counts() {
+        let model: Model = toml::from_str(SMALL).unwrap();
+        let chain = |steps: u64| Chain { steps, loads: 0, shared: 0 };
+        let tally = |instructions: u64, chains: Chain, longest: Chain| Tally {
+            instructions,
+            chains,
+            longest,
+            ..Tally::default()
+        };
+        // One invocation of 1,000 steps, 10 loads and 5 barriers: 4,000 + 2,500 + 150 cycles.
+        let long = Chain { steps: 1000, loads: 10, shared: 5 };
+        // 160,000 instructions at 16 a cycle; 100,000 steps of 4 cycles, 200 invocations at a time.
+        let (many, full) = (tally(160_000, chain(1000), chain(10)), tally(100, chain(1_000_000), chain(10)));
+        let mut row = Predicted { launches_us: 3.0, ..Predicted::default() };
+        for dispatch in [tally(1000, long, long), many, full] {
+            row.add(&model, &dispatch);
+        }
+        assert_eq!([row.chain_us, row.issue_us, row.residence_us], [6.65, 10.0, 20.0]);
+        assert_eq!((row.us(), row.bound()), (39.65, "residence"));
+        assert_eq!((row.longest_steps, row.longest_loads, row.longest_shared), (1020, 10, 5));
+    }
+
+    #[test]
+    fn the_built_in_models_and_files_are_read() {
+        for name in Model::names() {
+            assert!(Model::read(name).unwrap().clock_ghz > 1.0, "{name}");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("own.toml");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            Model::read(path.to_str().unwrap()).map_err(|error| error.to_string())
+        };
+        assert_eq!(read(SMALL).unwrap().threads, 100.0);
+        for (text, words) in [
+            (SMALL.replace("threads = 100", "threads = 0"), ["own.toml:5: threads", "found 0", "above 0"]),
+            (SMALL.replace("clock_ghz = 1", "clock_ghz = 'fast'"), ["own.toml:4", "clock_ghz", "fast"]),
+            (SMALL.replace("name = 'small'", "nam = 'small'"), ["own.toml:1", "unknown key", "nam"]),
+        ] {
+            let told = read(&text).unwrap_err();
+            assert!(words.iter().all(|word| told.contains(word)), "{told}");
+        }
+        let told = Model::read("h200x").unwrap_err().to_string();
+        assert!(["--as", "h200x", "h100, navi21"].iter().all(|word| told.contains(word)), "{told}");
+    }
+}
