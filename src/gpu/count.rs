@@ -6,8 +6,8 @@
 //! comparisons, minima, maxima and conversions are not counted. Loads and stores count the bytes of buffers that they
 //! name. Every instruction is noted, too, so that coverage knows which were executed.
 //!
-//! Each invocation also adds up what it goes through one after the other, instructions and loads; the most of each, over
-//! the invocations of a dispatch, say how long that takes at least, however wide the device is.
+//! Each invocation also adds up what it goes through one after the other, instructions and loads; the most of each,
+//! over the invocations of a dispatch, say how long that takes at least, however wide the device is.
 
 mod code;
 mod read;

@@ -46,8 +46,8 @@ impl Kernels {
         made.iter().map(|(key, kernel)| Ok((key.clone(), kernel.creation, kernel.statistics()?))).collect()
     }
 
-    /// What each dispatch has done since the last call, in their order, after its kernel's name; nothing where kernels do
-    /// not count.
+    /// What each dispatch has done since the last call, in their order, after its kernel's name; nothing where kernels
+    /// do not count.
     pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
         let mut all = BTreeMap::new();
         for (key, kernel) in self.made.borrow().iter() {
