@@ -2,8 +2,9 @@
 //!
 //! A dispatch takes at least as long as each of three things: issuing all instructions at the device's rate; the waits
 //! of all invocations, shared out over as many as the device holds at a time; and the chain, what its longest
-//! invocation waits for. The largest counts, with what launches and barriers cost. Left out are divergent branches, loads
-//! of scattered words, which take turns, and memory beyond the cache: neither how long it takes nor how much it moves.
+//! invocation waits for. The largest counts, with what launches and barriers cost. Left out are divergent branches,
+//! loads of scattered words, which take turns, and memory beyond the cache: neither how long it takes nor how much it
+//! moves.
 
 use std::collections::BTreeMap;
 use std::path::Path;
