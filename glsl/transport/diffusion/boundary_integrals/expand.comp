@@ -1,10 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
-// A block's distant clusters, expanded about its centre: value, gradient and second derivatives. One invocation a
-// block.
+// A block's distant clusters, expanded about its centre: value, gradient and second derivatives.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(object_params)
 READS(spheres)
@@ -17,15 +15,11 @@ READS(layer_squares)
 READS(layer_products)
 WRITES(expansions)
 #include "transport/diffusion/layers.glsl"
+#include "transport/blocks/expand.glsl"
 
-void main() {
-    uint i = invocation();
-    if (i >= range.count) return;
-    uint block = range.first + i;
+Expansion sum_of(uint block, uint first, uint last) {
     vec3 center = spheres[block].center;
-    uint first = runs[i].first, last = first + runs[i].expanded;
-    vec3 none = vec3(0);
-    Expansion sum = Expansion(none, none, none, none, none, none, none, none, none, none, none, none);
+    Expansion sum = NOTHING;
     for (uint k = first; k < last; ++k) {
         uint node = entries[k];
         Layers m = layers_of(node);
@@ -53,5 +47,12 @@ void main() {
         sum.zx += twice * z * x + mixed * (m.uz * x + m.ux * z);
         sum.xy += twice * x * y + mixed * (m.ux * y + m.uy * x);
     }
-    expansions[block] = sum;
+    return sum;
+}
+
+void main() {
+    uint i = item();
+    if (i >= range.count) return;
+    Expansion sum = sum_of_runs(range.first + i, runs[i].first, runs[i].first + runs[i].expanded);
+    if (LANES == 1 || gl_LocalInvocationIndex == 0) expansions[range.first + i] = sum;
 }
