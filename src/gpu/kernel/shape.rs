@@ -132,6 +132,7 @@ mod tests {
             ("transport/blocks/link/scan", 128, (WIDE_ID, 128)),
             ("transport/diffusion/boundary_integrals/expand", 128, (LANES_ID, 128)),
             ("transport/blocks/gather/direct", 128, (TEAMS_ID, 8)),
+            ("transport/diffusion/boundary_integrals/direct", 128, (TEAMS_ID, 8)),
             ("transport/blocks/gather/edge", GROUP_SIZE, (TEAMS_ID, 4)),
             ("transport/diffusion/boundary_integrals/edge", GROUP_SIZE, (TEAMS_ID, 4)),
             ("transport/blocks/pull/cluster", GROUP_SIZE, (CLIMBS_ID, 1)),

@@ -4,11 +4,7 @@
 #include "layout.glsl"
 #include "shuffle.glsl"
 
-// Sums emitters too near to be expanded, each at every receiver of the block. Neighbouring invocations that share a
-// block load one emitter each, and shuffle them. Each run of DIRECT_RUN emitters is summed by itself, then these sums
-// are, in their order: so runs may be summed at once.
-layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
-layout(constant_id = TEAMS_ID) const uint TEAMS = 1; // invocations that share a receiver: 1, or the group has one block
+// Sums emitters too near to be expanded, each at every receiver of the block.
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
 layout(constant_id = 2) const uint ESTIMATE = 0;
@@ -27,14 +23,9 @@ UPDATES(estimate)
 #include "transport/blocks/cluster_moments.glsl"
 #include "transport/blocks/channels.glsl"
 #include "transport/blocks/estimate.glsl"
-#include "transport/blocks/gather/receiver.glsl"
-
-const uint DIRECT_RUN = 16; // emitters that are summed by themselves
-const uint DIRECT_RUNS = 8; // such runs that a group sums at once
+#include "transport/blocks/direct.glsl"
 
 Dipole dipoles[3];
-// The sums of one receiver.
-vec3 sum, error;
 
 // Adds an emitter to them, for a receiver at `d` from it.
 void add(ClusterMoments m, vec3 d) {
@@ -51,7 +42,6 @@ void add(ClusterMoments m, vec3 d) {
     })
 }
 
-// Adds as many emitters of the list as are loaded at once, from number `at` on.
 void add_some(vec3 x, uint first, uint at, uint count, uint width) {
     uint mine = SUBGROUP_LANE % width, base = SUBGROUP_LANE - mine;
     ClusterMoments load = cluster_moments(entries[first + min(at + mine, count - 1)]);
@@ -69,49 +59,11 @@ void add_some(vec3 x, uint first, uint at, uint count, uint width) {
     }
 }
 
-shared vec3 sums[DIRECT_RUNS * BLOCK_RECEIVERS], errors[DIRECT_RUNS * BLOCK_RECEIVERS];
-
 void main() {
     dipoles = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
-    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint slot = lane() % BLOCK_RECEIVERS, team = lane() / BLOCK_RECEIVERS, width = sharing();
-    Receiver self = receiver_at(TEAMS == 1 ? group * gl_WorkGroupSize.x + lane() : group * BLOCK_RECEIVERS + slot);
-    Runs run = runs[self.run];
-    uint first = run.first + run.expanded, count = run.direct;
-    vec3 all = vec3(0), all_errors = vec3(0);
-    sum = vec3(0);
-    error = vec3(0);
-    if (TEAMS == 1) {
-        for (uint at = 0; at < count; at += width) {
-            add_some(self.x, first, at, count, width);
-            if ((at + width) % DIRECT_RUN == 0 || at + width >= count) {
-                all += sum;
-                all_errors += error;
-                sum = vec3(0);
-                error = vec3(0);
-            }
-        }
-    } else {
-        // The group has one block, so that all its invocations reach each barrier.
-        for (uint begin = 0; begin < count; begin += DIRECT_RUNS * DIRECT_RUN) {
-            for (uint k = team; k < DIRECT_RUNS; k += TEAMS) {
-                uint from = begin + k * DIRECT_RUN, to = min(from + DIRECT_RUN, count);
-                sum = vec3(0);
-                error = vec3(0);
-                for (uint at = from; at < to; at += width) add_some(self.x, first, at, to, width);
-                sums[k * BLOCK_RECEIVERS + slot] = sum;
-                if (ESTIMATE != 0) errors[k * BLOCK_RECEIVERS + slot] = error;
-            }
-            barrier();
-            for (uint k = 0; k < DIRECT_RUNS && begin + k * DIRECT_RUN < count; ++k) {
-                all += sums[k * BLOCK_RECEIVERS + slot];
-                if (ESTIMATE != 0) all_errors += errors[k * BLOCK_RECEIVERS + slot];
-            }
-            barrier();
-        }
-        if (team > 0) return;
-    }
-    if (!self.present) return;
+    Receiver self;
+    vec3 all, all_errors;
+    if (!sum_of_runs(self, all, all_errors)) return;
     received[self.face] = only_group(all, received[self.face]);
     if (ESTIMATE != 0) estimate[self.face] = only_group(all_errors, estimate[self.face]);
 }
