@@ -15,6 +15,8 @@ pub mod eval;
 pub mod fixtures;
 pub mod flat;
 pub mod folder;
+pub mod interpret;
+pub mod interpreted;
 pub mod interval;
 pub mod layers;
 pub mod leaning;
