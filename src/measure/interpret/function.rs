@@ -78,7 +78,8 @@ impl Builder<'_> {
             let op = instruction.op.ok_or("it has an instruction that is not known")?;
             match (op, instruction.operands) {
                 (Op::Line, [file, line, ..]) => self.line = (*file, *line),
-                (Op::NoLine, _) => self.line = (0, 0),
+                // An instruction without a line of its own has that of the last one before it.
+                (Op::NoLine, _) => {}
                 (Op::FunctionParameter, [_, id]) => {
                     let argument = arguments.next().ok_or("a call has too few arguments")?;
                     self.set(*id, argument);
@@ -163,7 +164,6 @@ impl Builder<'_> {
         };
         frame.ends.push((self.blocks.len() - 1, frame.label));
         self.end_block(end, op);
-        self.line = (0, 0);
         Ok(())
     }
 
@@ -171,7 +171,6 @@ impl Builder<'_> {
     fn leave(&mut self, op: Op, back: bool) {
         let end = if back { End::Jump(Edge { to: BACK, moves: Vec::new() }) } else { End::Return };
         self.end_block(end, op);
-        self.line = (0, 0);
     }
 
     /// Notes where the ways of the last block meet: labels.

@@ -11,6 +11,11 @@ pub(super) const UNDEFINED: u32 = 0xffc0_def0;
 /// The word of a group's memory that nothing has written.
 pub(super) const UNDEFINED_SHARED: u32 = 0xffc0_def1;
 
+/// Whether a word stands for no value.
+pub(super) fn is_undefined(value: u32) -> bool {
+    matches!(value, POISON | UNDEFINED | UNDEFINED_SHARED)
+}
+
 /// A buffer: words that invocations of different groups may access at once.
 pub struct Memory {
     words: Vec<AtomicU32>,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use spirq::spirv::BuiltIn;
 
 use super::code::{Access, Act, Atomic, BEYOND, Block, Change, Code, Decoded, Edge, End, Pointer, Root};
-use super::memory::{Memory, Part, UNDEFINED, UNDEFINED_SHARED};
+use super::memory::{Memory, Part, UNDEFINED, UNDEFINED_SHARED, is_undefined};
 use super::pointers::rest;
 use super::watch::{Touch, Watch};
 
@@ -170,6 +170,9 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                     self.inspect(*act, *at, &lanes);
                 }
                 self.execute(*act, *at, &lanes);
+                if self.watch.is_some() {
+                    self.spread(*act, &lanes);
+                }
             }
             self.end(block, lanes);
             blocks += 1;
@@ -430,13 +433,10 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
         }
     }
 
-    /// Tells the watch of values without a meaning that an instruction is about to use.
+    /// Tells the watch of values that nothing wrote which an instruction is about to store or to go by.
     fn inspect(&mut self, act: Act, at: u32, lanes: &[u16]) {
         let code = self.launch.code;
         match act {
-            Act::One { a, .. } | Act::Select { on: a, .. } => self.check(a, at, lanes),
-            Act::Two { a, b, .. } => [a, b].into_iter().for_each(|own| self.check(own, at, lanes)),
-            Act::Three { a, b, c, .. } => [a, b, c].into_iter().for_each(|own| self.check(own, at, lanes)),
             Act::Chain(chain) => {
                 code.chains[chain as usize].terms.iter().for_each(|(index, ..)| self.check(*index, at, lanes));
             }
@@ -446,6 +446,20 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
             Act::Atomic(atomic) => self.check(code.atomics[atomic as usize].a, at, lanes),
             Act::Team(team) => code.teams[team as usize].b.iter().for_each(|own| self.check(*own, at, lanes)),
             _ => {}
+        }
+    }
+
+    /// What is computed from a value that nothing wrote is none either.
+    fn spread(&mut self, act: Act, lanes: &[u16]) {
+        let (d, from) = match act {
+            Act::One { d, a, .. } | Act::Select { d, on: a, .. } => (d, [a; 3]),
+            Act::Two { d, a, b, .. } => (d, [a, b, b]),
+            Act::Three { d, a, b, c, .. } => (d, [a, b, c]),
+            _ => return,
+        };
+        for lane in lanes {
+            let none = from.map(|register| self.get(register, *lane)).into_iter().find(|word| is_undefined(*word));
+            none.into_iter().for_each(|word| self.set(d, *lane, word));
         }
     }
 

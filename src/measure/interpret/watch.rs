@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
 use super::code::{Code, Pointer, Site};
-use super::memory::{POISON, UNDEFINED, UNDEFINED_SHARED};
+use super::memory::{UNDEFINED, UNDEFINED_SHARED, is_undefined};
 use super::run::Place;
 
 /// What is wrong.
@@ -115,6 +115,9 @@ struct Clock {
     released: [u32; 2],
     by_group: [u32; 2],
     by_subgroup: [u32; 2],
+    /// The same by those of the subgroup that were at its last barrier when not all were, and who these were: bits.
+    by_some: [u32; 2],
+    some: u128,
     /// What it sees of others, what it will see after the next barrier of memory, and what it lets others see.
     seen: Seen,
     coming: Vec<Seen>,
@@ -272,7 +275,9 @@ impl<'a> Watch<'a> {
         if group == self.group {
             let (own, size) = (&self.clocks[there as usize], self.subgroup);
             let near = there / size == u32::from(lane) / size && mark.time <= own.by_subgroup[class];
-            if there == u32::from(lane) || mark.time <= own.by_group[class] || near {
+            let beside = own.some >> (u32::from(lane) % size) & 1 == 1 && there / size == u32::from(lane) / size;
+            let beside = beside && mark.time <= own.by_some[class];
+            if there == u32::from(lane) || mark.time <= own.by_group[class] || near || beside {
                 return true;
             }
         }
@@ -321,33 +326,47 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// A barrier of the group or the subgroup, which also orders memory.
+    /// A barrier of the group or the subgroup, which also orders memory. One of a subgroup waits for those of its
+    /// invocations that are there; that of a group is for all.
     pub(super) fn barrier(&mut self, scope: u32, semantics: u32, lanes: &[u16], at: u32) {
-        let size = if scope == SUBGROUP { self.subgroup } else { self.lanes };
-        let missing = |lane: u16| {
-            let first = u32::from(lane) / size * size;
-            let all = first..(first + size).min(self.lanes);
-            all.into_iter().find(|lane| lanes.binary_search(&(*lane as u16)).is_err())
-        };
-        if let Some((lane, missing)) = lanes.iter().find_map(|lane| Some((*lane, missing(*lane)?))) {
+        if scope != SUBGROUP && lanes.len() < self.lanes as usize {
+            let missing = (0..self.lanes as u16).find(|lane| lanes.binary_search(lane).is_err()).unwrap_or_default();
             self.add(Kind::Divergence, (at, at), |watch| {
-                format!("{} reaches the barrier without {}", watch.name(lane), watch.name(missing as u16))
+                format!("{} reaches the barrier without {}", watch.name(lanes[0]), watch.name(missing))
             });
         }
         lanes.iter().for_each(|lane| self.pass(*lane, semantics));
+        if scope == SUBGROUP {
+            let size = self.subgroup as u16;
+            lanes.chunk_by(|a, b| a / size == b / size).for_each(|own| self.together(own));
+            return;
+        }
         for lane in lanes {
             let clock = &mut self.clocks[*lane as usize];
-            let by = if scope == SUBGROUP { &mut clock.by_subgroup } else { &mut clock.by_group };
-            *by = clock.released;
+            clock.by_group = clock.released;
         }
         // What one has seen of other groups, all have seen.
-        if scope != SUBGROUP && lanes.iter().any(|lane| !self.clocks[*lane as usize].seen.is_empty()) {
+        if lanes.iter().any(|lane| !self.clocks[*lane as usize].seen.is_empty()) {
             let mut all = BTreeMap::new();
             lanes.iter().for_each(|lane| union(&mut all, &self.clocks[*lane as usize].seen));
             let all = Rc::new(all);
             for lane in lanes {
                 let clock = &mut self.clocks[*lane as usize];
                 (clock.seen, clock.shown) = (all.clone(), all.clone());
+            }
+        }
+    }
+
+    /// A barrier of these invocations, which are of one subgroup.
+    fn together(&mut self, lanes: &[u16]) {
+        let first = u32::from(lanes[0]) / self.subgroup * self.subgroup;
+        let whole = lanes.len() as u32 == self.subgroup.min(self.lanes - first);
+        let some = lanes.iter().fold(0, |some, lane| some | 1u128 << (u32::from(*lane) - first));
+        for lane in lanes {
+            let clock = &mut self.clocks[*lane as usize];
+            match whole {
+                true => clock.by_subgroup = clock.released,
+                false => (clock.by_some, clock.some) = (clock.released, some),
             }
         }
     }
@@ -416,11 +435,6 @@ impl<'a> Watch<'a> {
             format!("{} takes a value from lane {from} of its subgroup, which is not there", watch.name(lane))
         });
     }
-}
-
-/// Whether a word stands for no value.
-fn is_undefined(value: u32) -> bool {
-    matches!(value, POISON | UNDEFINED | UNDEFINED_SHARED)
 }
 
 /// Adds what another one sees.
