@@ -260,8 +260,7 @@ pub(super) fn compared_row(step: Step, name: &str, [reference, device]: [&State;
     for &slot in BUFFER_IDS {
         let written = step.stage.writes.iter().find(|(written, _, _)| *written == slot);
         let tolerance = written.map_or(Tolerance::Exact, |(_, _, tolerance)| *tolerance);
-        let found: Comparison =
-            compare(slot, reference, device, tolerance, reference.part(slot, step.at));
+        let found: Comparison = compare(slot, reference, device, tolerance, reference.part(slot, step.at));
         if written.is_some() {
             row.words += found.words;
             if found.ulp > row.ulp {

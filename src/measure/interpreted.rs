@@ -89,7 +89,12 @@ pub struct Sanitized {
 impl Sanitized {
     /// Runs stages of a fixture, or all if none is given, and watches them; the reference runs the others. Returns what
     /// was not found before.
-    pub fn add(&mut self, interpreter: &Interpreter, fixture: &Fixture, stages: &[String]) -> Result<&[(Finding, String)]> {
+    pub fn add(
+        &mut self,
+        interpreter: &Interpreter,
+        fixture: &Fixture,
+        stages: &[String],
+    ) -> Result<&[(Finding, String)]> {
         let before = self.findings.len();
         let mut reference = fixture.state.clone();
         self.fixtures += 1;

@@ -105,12 +105,7 @@ impl Width {
 }
 
 /// Tells each dispatch that a step requests on a device of this width; needs no device.
-pub fn requested(
-    state: &State,
-    step: Step,
-    width: Width,
-    told: &mut dyn FnMut(&Call<'_>) -> Result<()>,
-) -> Result<()> {
+pub fn requested(state: &State, step: Step, width: Width, told: &mut dyn FnMut(&Call<'_>) -> Result<()>) -> Result<()> {
     (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink: Sink::Ask(width, told) })
 }
 

@@ -135,9 +135,10 @@ impl<'a> Builder<'a> {
             }
         }
         // A constant of this name says so, too, and has the last word.
-        let declared = self.global.iter().find(|(id, _)| {
-            self.types.decoration(**id, Decoration::BuiltIn) == Some(BuiltIn::WorkgroupSize as u32)
-        });
+        let declared = self
+            .global
+            .iter()
+            .find(|(id, _)| self.types.decoration(**id, Decoration::BuiltIn) == Some(BuiltIn::WorkgroupSize as u32));
         if let Some((_, Value::Numbers(_, numbers))) = declared {
             let numbers = numbers.iter().map(|register| self.constant(*register));
             size = numbers.collect::<Option<Vec<u32>>>().and_then(|all| all.try_into().ok()).unwrap_or(size);
@@ -184,8 +185,10 @@ impl<'a> Builder<'a> {
             return Ok(all[first as usize..][..self.types.count(of)? as usize].to_vec());
         }
         let operands = operands.iter().map(|id| self.numbers(*id)).collect::<Decoded<Vec<_>>>()?;
-        let known = |list: &Vec<u32>| list.iter().map(|register| self.constant(*register)).collect::<Option<Vec<u32>>>();
-        let values = operands.iter().map(known).collect::<Option<Vec<_>>>().ok_or("a constant depends on no constant")?;
+        let known =
+            |list: &Vec<u32>| list.iter().map(|register| self.constant(*register)).collect::<Option<Vec<u32>>>();
+        let values =
+            operands.iter().map(known).collect::<Option<Vec<_>>>().ok_or("a constant depends on no constant")?;
         let component = |k: usize| -> Option<u32> {
             let own = |n: usize| values.get(n)?.get(k).copied();
             match op {
@@ -230,7 +233,8 @@ impl<'a> Builder<'a> {
                 Root::Registers(first)
             }
             INPUT => {
-                let input = self.types.decoration(id, Decoration::BuiltIn).ok_or("it has an input that is not built in")?;
+                let input =
+                    self.types.decoration(id, Decoration::BuiltIn).ok_or("it has an input that is not built in")?;
                 let count = self.types.count(to)?;
                 let first = self.registers(count);
                 self.code.inputs.push((input, first));

@@ -16,11 +16,34 @@ pub(super) type Three = fn(u32, u32, u32) -> u32;
 /// What an invocation does; `d` is the register that takes the result.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Act {
-    One { f: One, d: u32, a: u32 },
-    Two { f: Two, d: u32, a: u32, b: u32 },
-    Three { f: Three, d: u32, a: u32, b: u32, c: u32 },
-    Move { d: u32, a: u32 },
-    Select { d: u32, on: u32, yes: u32, no: u32 },
+    One {
+        f: One,
+        d: u32,
+        a: u32,
+    },
+    Two {
+        f: Two,
+        d: u32,
+        a: u32,
+        b: u32,
+    },
+    Three {
+        f: Three,
+        d: u32,
+        a: u32,
+        b: u32,
+        c: u32,
+    },
+    Move {
+        d: u32,
+        a: u32,
+    },
+    Select {
+        d: u32,
+        on: u32,
+        yes: u32,
+        no: u32,
+    },
     /// Where a pointer points to: an entry of [`Code::chains`].
     Chain(u32),
     /// Entries of [`Code::accesses`].
@@ -29,15 +52,29 @@ pub(super) enum Act {
     /// An entry of [`Code::atomics`].
     Atomic(u32),
     /// How many elements of this many words the buffer has from this word on.
-    Length { d: u32, buffer: u32, first: u32, stride: u32 },
+    Length {
+        d: u32,
+        buffer: u32,
+        first: u32,
+        stride: u32,
+    },
     /// A barrier of a scope, and what memory it orders.
-    Barrier { scope: u32, semantics: u32 },
+    Barrier {
+        scope: u32,
+        semantics: u32,
+    },
     /// The order of memory only.
-    Fence { scope: u32, semantics: u32 },
+    Fence {
+        scope: u32,
+        semantics: u32,
+    },
     /// An entry of [`Code::teams`].
     Team(u32),
     /// A variable begins its life without a value.
-    Begin { first: u32, count: u32 },
+    Begin {
+        first: u32,
+        count: u32,
+    },
 }
 
 /// Where a variable is.
@@ -180,7 +217,9 @@ impl End {
         match self {
             Self::Jump(edge) => vec![edge],
             Self::Branch { yes, no, .. } => vec![yes, no],
-            Self::Switch { cases, otherwise, .. } => cases.iter_mut().map(|(_, edge)| edge).chain([otherwise]).collect(),
+            Self::Switch { cases, otherwise, .. } => {
+                cases.iter_mut().map(|(_, edge)| edge).chain([otherwise]).collect()
+            }
             Self::Return => Vec::new(),
         }
     }

@@ -118,13 +118,7 @@ impl Builder<'_> {
     }
 
     /// Decodes an instruction of a function's body.
-    fn statement(
-        &mut self,
-        op: Op,
-        operands: &[u32],
-        frame: &mut Frame,
-        result: Option<&[u32]>,
-    ) -> Decoded<()> {
+    fn statement(&mut self, op: Op, operands: &[u32], frame: &mut Frame, result: Option<&[u32]>) -> Decoded<()> {
         let end = match (op, operands) {
             (Op::Phi, [ty, id, from @ ..]) => {
                 let count = self.types.count(*ty)?;

@@ -2,7 +2,7 @@
 
 use spirq::spirv::{GLOp, Op};
 
-use super::arithmetic::{double, glsl_one, glsl_three, glsl_two, ones, one, three, two};
+use super::arithmetic::{double, glsl_one, glsl_three, glsl_two, one, ones, three, two};
 use super::builder::{Builder, Value};
 use super::code::{Act, Decoded, Two};
 

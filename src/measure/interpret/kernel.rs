@@ -41,7 +41,10 @@ impl Kernel {
         let code = super::builder::decoded(words, special).map_err(fault)?;
         let count = code.group.iter().try_fold(1u32, |all, count| all.checked_mul(*count));
         if !count.is_some_and(|count| (1..=MOST_INVOCATIONS).contains(&count)) {
-            return Err(fault(format!("its groups are {:?}; they have at most {MOST_INVOCATIONS} invocations", code.group)));
+            return Err(fault(format!(
+                "its groups are {:?}; they have at most {MOST_INVOCATIONS} invocations",
+                code.group
+            )));
         }
         Ok(Self { name: name.into(), code })
     }

@@ -4,9 +4,7 @@ use spirq::spirv::Op;
 
 use super::arithmetic::{atomic, folded};
 use super::builder::{Builder, Value};
-use super::code::{
-    Access, Act, Among, Atomic, BEYOND, Chain, Change, Decoded, Exchange, Pointer, Root, Team,
-};
+use super::code::{Access, Act, Among, Atomic, BEYOND, Chain, Change, Decoded, Exchange, Pointer, Root, Team};
 use super::types::Type;
 
 impl Builder<'_> {

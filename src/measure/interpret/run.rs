@@ -289,7 +289,8 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                 let chain = &code.chains[chain as usize];
                 for lane in lanes {
                     let base = chain.base.map_or(0, |base| self.get(base, *lane));
-                    let terms = chain.terms.iter().map(|(index, stride, count)| (self.get(*index, *lane), *stride, *count));
+                    let terms =
+                        chain.terms.iter().map(|(index, stride, count)| (self.get(*index, *lane), *stride, *count));
                     let found = rest(base, terms);
                     self.set(chain.d, *lane, found);
                 }
@@ -339,13 +340,7 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
     }
 
     /// The place that an invocation accesses, of which the watch is told.
-    fn touched(
-        &mut self,
-        pointer: &Pointer,
-        (offset, touch): (u32, Touch),
-        at: u32,
-        lane: u16,
-    ) -> Option<Place> {
+    fn touched(&mut self, pointer: &Pointer, (offset, touch): (u32, Touch), at: u32, lane: u16) -> Option<Place> {
         let (word, beyond) = self.word(pointer, lane);
         let word = word + offset as usize;
         let place = self.place(pointer, (word, beyond), lane);
@@ -424,7 +419,13 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                         Change::Load => old,
                         Change::Store => operand,
                         Change::Apply(f) => f(old, operand),
-                        Change::Compare(_) => if old == compared { operand } else { old },
+                        Change::Compare(_) => {
+                            if old == compared {
+                                operand
+                            } else {
+                                old
+                            }
+                        }
                     };
                     old
                 }

@@ -51,11 +51,13 @@ impl Group<'_, '_, '_> {
                         let same = |lane: &u16| team.a.iter().all(|r| self.get(*r, *lane) == self.get(*r, lanes[0]));
                         one(lanes.iter().all(same).into())
                     }
-                    Exchange::Ballot => lanes.iter().filter(|lane| value(self, **lane) != 0).fold([0; 4], |mut all, lane| {
-                        let bit = usize::from(lane - first);
-                        all[bit / 32 % 4] |= 1 << (bit % 32);
-                        all
-                    }),
+                    Exchange::Ballot => {
+                        lanes.iter().filter(|lane| value(self, **lane) != 0).fold([0; 4], |mut all, lane| {
+                            let bit = usize::from(lane - first);
+                            all[bit / 32 % 4] |= 1 << (bit % 32);
+                            all
+                        })
+                    }
                     Exchange::Bit => {
                         let bit = operand.unwrap_or(own);
                         one(ballot(self, *lane)[bit as usize / 32 % 4] >> (bit % 32) & 1)

@@ -226,9 +226,11 @@ impl<'a> Watch<'a> {
         // Reads race with writes only; two atomic operations with each other never do.
         let others = [Some(shadow.write), (touch != Touch::Read).then_some(shadow.reads[0])];
         let last = (touch != Touch::Read).then_some(shadow.reads[1]);
-        let racing = others.into_iter().chain([last]).flatten().find(|mark| {
-            *mark != NOBODY && !(mark.atomic && atomic) && !self.is_ordered(*mark, class, lane)
-        });
+        let racing = others
+            .into_iter()
+            .chain([last])
+            .flatten()
+            .find(|mark| *mark != NOBODY && !(mark.atomic && atomic) && !self.is_ordered(*mark, class, lane));
         if let Some(mark) = racing {
             let reads = mark != shadow.write;
             self.add(Kind::Race, (at, mark.at), |watch| {
@@ -410,7 +412,8 @@ impl<'a> Watch<'a> {
         self.add(Kind::Undefined, (at, at), |watch| {
             let of = match (value, origin) {
                 (_, Some((from, variable, _))) => {
-                    let (name, site) = (&watch.code.variables[variable as usize].name, &watch.code.places[from as usize]);
+                    let (name, site) =
+                        (&watch.code.variables[variable as usize].name, &watch.code.places[from as usize]);
                     format!("a word of {name} that nothing wrote, loaded at {site}")
                 }
                 (UNDEFINED, _) => "a variable of its own that nothing wrote".into(),
