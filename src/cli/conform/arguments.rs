@@ -58,8 +58,8 @@ pub struct Arguments {
     pub(super) stage: Vec<String>,
     #[command(flatten)]
     pub(super) replace: ReplaceArgument,
-    /// Compare nothing: run the kernels in the interpreter, and report data races, accesses out of bounds, uninitialised
-    /// values, barriers and subgroup operations in non-uniform flow, and results that are not finite.
+    /// Compare nothing: run the kernels in the interpreter, and report data races, accesses out of bounds,
+    /// uninitialised values, barriers and subgroup operations in non-uniform flow, and results that are not finite.
     #[arg(long, conflicts_with_all = ["device", "json", "jsonl", "expect", "baseline", "child", "list"])]
     pub(super) sanitize: bool,
     /// For each stage and fixture that differs, and with --isolate for each that hangs or crashes, write the dispatch

@@ -76,6 +76,15 @@ pub(super) fn decoded(words: &[u32], special: &BTreeMap<u32, u32>) -> Decoded<Co
     Ok(code)
 }
 
+/// Most words that a group shares.
+const MOST_SHARED: u32 = 1 << 16;
+
+/// A part of a value, from this number on.
+pub(super) fn part_of(all: &[u32], first: usize, count: u32) -> Decoded<Vec<u32>> {
+    let part = all.get(first..).and_then(|rest| rest.get(..count as usize));
+    part.map(<[u32]>::to_vec).ok_or_else(|| "it takes a part that a value does not have".into())
+}
+
 /// The name of the buffer that is bound at a number.
 fn buffer_name(binding: u32) -> String {
     let known = BUFFER_IDS.get(binding as usize);
@@ -119,7 +128,9 @@ impl<'a> Builder<'a> {
                 (Some(op), [id, ..]) if (Op::TypeVoid..=Op::TypeFunction).contains(&op) => {
                     let (known, global) = (&self.known, &self.global);
                     let value = |length: u32| match global.get(&length) {
-                        Some(Value::Numbers(_, numbers)) => Ok(known.get(&numbers[0]).copied().unwrap_or(0)),
+                        Some(Value::Numbers(_, numbers)) => {
+                            Ok(numbers.first().and_then(|first| known.get(first)).copied().unwrap_or(0))
+                        }
                         _ => Err(format!("the length of array %{id} is no constant")),
                     };
                     self.types.declare(op, operands, value)?;
@@ -131,7 +142,7 @@ impl<'a> Builder<'a> {
         }
         if let Some(ids) = by_ids {
             for (size, id) in size.iter_mut().zip(ids) {
-                *size = self.constant(self.numbers(id)?[0]).ok_or("the size of its groups is no constant")?;
+                *size = self.constant(self.single(id)?).ok_or("the size of its groups is no constant")?;
             }
         }
         // A constant of this name says so, too, and has the last word.
@@ -176,13 +187,14 @@ impl<'a> Builder<'a> {
     /// The value of an expression of constants.
     fn computed(&mut self, op: Op, ty: u32, operands: &[u32]) -> Decoded<Vec<u32>> {
         if op == Op::CompositeExtract {
-            let (mut of, all) = self.typed(operands[0])?;
+            let [value, path @ ..] = operands else { return Err("it takes a part of nothing".into()) };
+            let (mut of, all) = self.typed(*value)?;
             let mut first = 0;
-            for index in &operands[1..] {
+            for index in path {
                 let (part, before) = self.types.part(of, *index)?;
                 (of, first) = (part, first + before);
             }
-            return Ok(all[first as usize..][..self.types.count(of)? as usize].to_vec());
+            return part_of(&all, first as usize, self.types.count(of)?);
         }
         let operands = operands.iter().map(|id| self.numbers(*id)).collect::<Decoded<Vec<_>>>()?;
         let known =
@@ -192,7 +204,9 @@ impl<'a> Builder<'a> {
         let component = |k: usize| -> Option<u32> {
             let own = |n: usize| values.get(n)?.get(k).copied();
             match op {
-                Op::Select => Some(if *values[0].get(k).or(values[0].first())? != 0 { own(1)? } else { own(2)? }),
+                Op::Select => {
+                    Some(if *values.first()?.get(k).or(values.first()?.first())? != 0 { own(1)? } else { own(2)? })
+                }
                 Op::Bitcast | Op::CopyObject | Op::UConvert | Op::SConvert => own(0),
                 _ => None
                     .or_else(|| one(op).and_then(|f| Some(f(own(0)?))))
@@ -223,7 +237,10 @@ impl<'a> Builder<'a> {
             }
             SHARED => {
                 let first = self.code.shared;
-                self.code.shared += self.types.count(to)?;
+                self.code.shared = first.saturating_add(self.types.count(to)?);
+                if self.code.shared > MOST_SHARED {
+                    return Err("its groups share too much memory".into());
+                }
                 Root::Shared(first)
             }
             PRIVATE => {
@@ -241,7 +258,7 @@ impl<'a> Builder<'a> {
                 Root::Registers(first)
             }
             PUSHED => {
-                let count = self.types.words(to, true)?.last().map_or(0, |last| last + 1);
+                let count = self.types.words(to, true)?.into_iter().max().map_or(0, |last| last + 1);
                 let first = self.registers(count);
                 self.code.pushed = (first, count);
                 Root::Registers(first)
@@ -278,8 +295,9 @@ impl<'a> Builder<'a> {
 
     /// New registers, the first of so many.
     pub(super) fn registers(&mut self, count: u32) -> u32 {
-        self.code.registers += count;
-        self.code.registers - count
+        let first = self.code.registers;
+        self.code.registers = first.saturating_add(count);
+        first
     }
 
     /// The register of a number that is known.

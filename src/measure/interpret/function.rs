@@ -11,6 +11,10 @@ use super::code::{Act, Block, Decoded, Edge, End};
 const BACK: usize = usize::MAX;
 /// Most calls within each other; SPIR-V has no recursion.
 const MOST_CALLS: usize = 64;
+/// Most blocks of a kernel.
+const MOST_BLOCKS: usize = 1 << 17;
+/// Most registers of a kernel.
+const MOST_REGISTERS: u32 = 1 << 21;
 
 /// The numbers of a phi, and its value by the block before: an id and a label.
 struct Phi {
@@ -68,8 +72,8 @@ impl Builder<'_> {
     /// it goes on with a new block; none where it is the kernel.
     fn function(&mut self, id: u32, arguments: Vec<Value>, result: Option<&[u32]>) -> Decoded<()> {
         let range = self.functions.get(&id).cloned().ok_or_else(|| format!("there is no function %{id}"))?;
-        if self.local.len() >= MOST_CALLS {
-            return Err("its functions call each other without an end".into());
+        if self.local.len() >= MOST_CALLS || self.blocks.len() > MOST_BLOCKS {
+            return Err("its functions call each other too often".into());
         }
         self.local.push(HashMap::new());
         let (start, mut arguments, mut frame) = (self.blocks.len(), arguments.into_iter(), Frame::default());
@@ -99,6 +103,9 @@ impl Builder<'_> {
                 (op, operands) => {
                     self.blocks.last_mut().into_iter().for_each(|block| block.length += 1);
                     self.statement(op, operands, &mut frame, result)?;
+                    if self.code.registers > MOST_REGISTERS {
+                        return Err("it has too many numbers".into());
+                    }
                 }
             }
         }
@@ -132,7 +139,7 @@ impl Builder<'_> {
             (Op::LoopMerge, [merge, on, ..]) => return self.merges(&[*merge, *on]),
             (Op::SelectionMerge, [merge, ..]) => return self.merges(&[*merge]),
             (Op::FunctionCall, [ty, id, function, arguments @ ..]) => {
-                return self.call((*ty, *id), *function, arguments, frame);
+                return self.call((*ty, *id), *function, arguments);
             }
             (Op::Branch, [to]) => End::Jump(edge(*to)),
             (Op::BranchConditional, [on, yes, no, ..]) => {
@@ -175,14 +182,12 @@ impl Builder<'_> {
     }
 
     /// Decodes a function in place of its call.
-    fn call(&mut self, (ty, id): (u32, u32), function: u32, arguments: &[u32], frame: &Frame) -> Decoded<()> {
+    fn call(&mut self, (ty, id): (u32, u32), function: u32, arguments: &[u32]) -> Decoded<()> {
         let arguments = arguments.iter().map(|id| self.value(*id).cloned()).collect::<Decoded<Vec<_>>>()?;
         let count = self.types.count(ty)?;
         let first = self.registers(count);
         let registers: Vec<u32> = (first..first + count).collect();
         let line = self.line;
-        // The block that calls ends here, by an edge that is linked already.
-        debug_assert!(frame.label > 0);
         self.function(function, arguments, Some(&registers))?;
         self.line = line;
         self.set(id, Value::Numbers(ty, registers));

@@ -3,7 +3,7 @@
 use spirq::spirv::{GLOp, Op};
 
 use super::arithmetic::{double, glsl_one, glsl_three, glsl_two, one, ones, three, two};
-use super::builder::{Builder, Value};
+use super::builder::{Builder, Value, part_of};
 use super::code::{Act, Decoded, Two};
 
 impl Builder<'_> {
@@ -40,13 +40,14 @@ impl Builder<'_> {
             (Op::CompositeExtract, [value, path @ ..]) => {
                 let (of, all) = self.typed(*value)?;
                 let (of, first) = self.follow(of, path)?;
-                all[first..][..self.types.count(of)? as usize].to_vec()
+                part_of(&all, first, self.types.count(of)?)?
             }
             (Op::CompositeInsert, [part, value, path @ ..]) => {
                 let (of, mut all) = self.typed(*value)?;
                 let (_, first) = self.follow(of, path)?;
                 let part = self.numbers(*part)?;
-                all[first..][..part.len()].copy_from_slice(&part);
+                part_of(&all, first, part.len() as u32)?;
+                all[first..first + part.len()].copy_from_slice(&part);
                 all
             }
             (Op::VectorShuffle, [a, b, components @ ..]) => {
@@ -58,7 +59,8 @@ impl Builder<'_> {
             (Op::Transpose, [matrix]) => {
                 let (of, all) = self.typed(*matrix)?;
                 let (columns, rows) = self.sides(of)?;
-                (0..rows).flat_map(|row| (0..columns).map(move |column| column * rows + row)).map(|k| all[k]).collect()
+                let places = (0..rows).flat_map(|row| (0..columns).map(move |column| column * rows + row));
+                places.filter_map(|k| all.get(k).copied()).collect()
             }
             _ => return Ok(None),
         }))
@@ -78,7 +80,8 @@ impl Builder<'_> {
     fn sides(&self, ty: u32) -> Decoded<(usize, usize)> {
         let (column, _) = self.types.part(ty, 0)?;
         let rows = self.types.count(column)?;
-        Ok(((self.types.count(ty)? / rows.max(1)) as usize, rows as usize))
+        let columns = self.types.count(ty)?.checked_div(rows).ok_or("it has a matrix without rows")?;
+        Ok((columns as usize, rows as usize))
     }
 
     /// The registers of a value that is computed.
@@ -86,6 +89,9 @@ impl Builder<'_> {
         let all = of.iter().map(|id| self.typed(*id)).collect::<Decoded<Vec<_>>>()?;
         let list = |k: usize| all.get(k).map(|(_, list)| list.as_slice()).unwrap_or_default();
         let (a, b) = (list(0), list(1));
+        if all.iter().any(|(_, list)| list.is_empty()) {
+            return Err(format!("it has Op{op:?} of nothing"));
+        }
         match (op, all.len()) {
             (Op::VectorTimesScalar | Op::MatrixTimesScalar, 2) => {
                 Ok(a.iter().map(|x| self.two(two_of(Op::FMul), *x, b[0], site)).collect())

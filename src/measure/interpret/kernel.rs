@@ -10,6 +10,8 @@ use crate::error::{Error, Result};
 
 /// Most invocations of a group.
 const MOST_INVOCATIONS: u32 = 1024;
+/// Most numbers of all invocations of a group.
+const MOST_NUMBERS: u64 = 1 << 26;
 /// Sizes that a subgroup can have.
 const SUBGROUPS: std::ops::RangeInclusive<u32> = 1..=128;
 
@@ -45,6 +47,9 @@ impl Kernel {
                 "its groups are {:?}; they have at most {MOST_INVOCATIONS} invocations",
                 code.group
             )));
+        }
+        if u64::from(code.registers) * u64::from(code.group.iter().product::<u32>()) > MOST_NUMBERS {
+            return Err(fault("its groups have too many numbers".into()));
         }
         Ok(Self { name: name.into(), code })
     }

@@ -222,6 +222,9 @@ impl Builder<'_> {
         let value = of.first().map_or(Ok(Vec::new()), |id| self.numbers(*id))?;
         let takes = matches!(kind, Exchange::Take(_) | Exchange::Bit);
         let operand = of.get(1).filter(|_| takes).map(|id| self.single(*id)).transpose()?;
+        if value.is_empty() && !matches!(kind, Exchange::Elect) {
+            return Err(format!("it has Op{op:?} without a value"));
+        }
         let count = self.types.count(*ty)?;
         let first = self.registers(count);
         let d: Vec<u32> = (first..first + count).collect();

@@ -12,7 +12,7 @@ use super::pointers::rest;
 use super::watch::{Touch, Watch};
 
 /// Most blocks that a group runs: a kernel that takes more is said not to end.
-const MOST_BLOCKS: u64 = 1 << 28;
+const MOST_BLOCKS: u64 = 1 << 26;
 
 /// A dispatch.
 pub(super) struct Launch<'a> {
@@ -334,7 +334,9 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                 let within = word < count && first + word < self.launch.memory[memory].len();
                 within.then_some(Place::Buffer { memory, word: first + word })
             }
-            Root::Shared(first) => Some(Place::Shared(first as usize + word)).filter(|_| self.shared.len() > word),
+            Root::Shared(first) => {
+                Some(first as usize + word).filter(|word| *word < self.shared.len()).map(Place::Shared)
+            }
             Root::Registers(first) => Some(Place::Register((first as usize + word) * self.lanes + lane as usize)),
         }
     }

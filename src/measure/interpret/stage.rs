@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use super::{Finding, Kernel, Launched, Memory, Part, Suspects};
 use crate::error::{Error, Result};
-use crate::gpu::{set_by_device, spirv};
+use crate::gpu::{KernelKey, set_by_device, spirv};
 use crate::layout::{BUFFER_IDS, BufferId, GROUPS_A_ROW, MOST_LANES};
 use crate::state::{Call, Groups, State, Step, Width, requested};
 
@@ -22,7 +22,7 @@ pub const SUBGROUP: u32 = 32;
 pub struct Interpreter {
     /// The SPIR-V of kernels that do not come from the build, by name.
     replaced: BTreeMap<String, Vec<u32>>,
-    prepared: RefCell<BTreeMap<(String, Vec<u32>), Rc<Prepared>>>,
+    prepared: RefCell<BTreeMap<KernelKey, Rc<Prepared>>>,
 }
 
 /// A kernel, and how its invocations share items.
@@ -112,7 +112,7 @@ impl Interpreter {
     }
 
     fn prepared(&self, name: &str, constants: &[u32]) -> Result<Rc<Prepared>> {
-        let key = (name.to_string(), constants.to_vec());
+        let key = KernelKey { name: name.to_string(), constants: constants.to_vec() };
         if let Some(known) = self.prepared.borrow().get(&key) {
             return Ok(known.clone());
         }

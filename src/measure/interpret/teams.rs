@@ -24,62 +24,60 @@ impl Group<'_, '_, '_> {
         if !whole && !matches!(team.kind, Exchange::Take(_)) {
             self.watch.iter_mut().for_each(|watch| watch.parted(lanes[0], at));
         }
-        let value = |group: &Self, lane: u16| group.get(team.a[0], lane);
-        let ballot = |group: &Self, lane: u16| [0, 1, 2, 3].map(|k| team.a.get(k).map_or(0, |r| group.get(*r, lane)));
-        let results: Vec<[u32; 4]> = lanes
-            .iter()
-            .enumerate()
-            .map(|(k, lane)| {
-                let operand = team.b.map(|register| self.get(register, *lane));
-                let own = u32::from(lane - first);
-                let one = |value: u32| [value, 0, 0, 0];
-                match team.kind {
-                    Exchange::Take(from) => {
-                        let from = from(own, operand.unwrap_or_default());
-                        let there = u16::try_from(from).ok().and_then(|from| first.checked_add(from));
-                        let there = there.filter(|there| from < u32::from(size) && lanes.binary_search(there).is_ok());
-                        if there.is_none() {
-                            self.watch.iter_mut().for_each(|watch| watch.absent(*lane, from, at));
-                        }
-                        one(value(self, there.unwrap_or(*lane)))
-                    }
-                    Exchange::First => one(value(self, lanes[0])),
-                    Exchange::Elect => one(u32::from(k == 0)),
-                    Exchange::All => one(lanes.iter().all(|lane| value(self, *lane) != 0).into()),
-                    Exchange::Any => one(lanes.iter().any(|lane| value(self, *lane) != 0).into()),
-                    Exchange::Equal => {
-                        let same = |lane: &u16| team.a.iter().all(|r| self.get(*r, *lane) == self.get(*r, lanes[0]));
-                        one(lanes.iter().all(same).into())
-                    }
-                    Exchange::Ballot => {
-                        lanes.iter().filter(|lane| value(self, **lane) != 0).fold([0; 4], |mut all, lane| {
-                            let bit = usize::from(lane - first);
-                            all[bit / 32 % 4] |= 1 << (bit % 32);
-                            all
-                        })
-                    }
-                    Exchange::Bit => {
-                        let bit = operand.unwrap_or(own);
-                        one(ballot(self, *lane)[bit as usize / 32 % 4] >> (bit % 32) & 1)
-                    }
-                    Exchange::Count(among) => {
-                        let bits = bits(ballot(self, *lane), u32::from(size));
-                        one(bits.filter(|bit| counts(among, own, *bit)).count() as u32)
-                    }
-                    Exchange::Lowest => one(bits(ballot(self, *lane), u32::from(size)).next().unwrap_or(u32::MAX)),
-                    Exchange::Highest => one(bits(ballot(self, *lane), u32::from(size)).last().unwrap_or(u32::MAX)),
-                    Exchange::Fold(f, start, among) => {
-                        let others = lanes.iter().filter(|other| counts(among, own, u32::from(*other - first)));
-                        one(others.fold(start, |sum, other| f(sum, value(self, *other))))
-                    }
-                }
-            })
-            .collect();
+        let results: Vec<[u32; 4]> = lanes.iter().map(|lane| self.result(team, at, *lane, (lanes, first))).collect();
         for (lane, result) in lanes.iter().zip(results) {
             for (d, word) in team.d.iter().zip(result) {
                 self.set(*d, *lane, word);
             }
         }
+    }
+
+    /// What an invocation gets.
+    fn result(&mut self, team: &Team, at: u32, lane: u16, (lanes, first): (&[u16], u16)) -> [u32; 4] {
+        let size = self.launch.subgroup;
+        let own = u32::from(lane - first);
+        let operand = team.b.map(|register| self.get(register, lane));
+        if let Exchange::Take(from) = team.kind {
+            let from = from(own, operand.unwrap_or_default());
+            let there = u16::try_from(from).ok().and_then(|from| first.checked_add(from));
+            let there = there.filter(|there| from < size && lanes.binary_search(there).is_ok());
+            if there.is_none() {
+                self.watch.iter_mut().for_each(|watch| watch.absent(lane, from, at));
+            }
+            return [self.get(team.a[0], there.unwrap_or(lane)), 0, 0, 0];
+        }
+        let value = |lane: &u16| team.a.first().map_or(0, |register| self.get(*register, *lane));
+        let ballot = [0, 1, 2, 3].map(|k| team.a.get(k).map_or(0, |register| self.get(*register, lane)));
+        let one = match team.kind {
+            Exchange::Take(_) | Exchange::First => value(&lanes[0]),
+            Exchange::Elect => u32::from(lane == lanes[0]),
+            Exchange::All => lanes.iter().all(|lane| value(lane) != 0).into(),
+            Exchange::Any => lanes.iter().any(|lane| value(lane) != 0).into(),
+            Exchange::Equal => {
+                let same = |lane: &u16| team.a.iter().all(|r| self.get(*r, *lane) == self.get(*r, lanes[0]));
+                lanes.iter().all(same).into()
+            }
+            Exchange::Ballot => {
+                let mut all = [0; 4];
+                for lane in lanes.iter().filter(|lane| value(lane) != 0) {
+                    let bit = usize::from(lane - first);
+                    all[bit / 32 % 4] |= 1 << (bit % 32);
+                }
+                return all;
+            }
+            Exchange::Bit => {
+                let bit = operand.unwrap_or(own);
+                ballot[bit as usize / 32 % 4] >> (bit % 32) & 1
+            }
+            Exchange::Count(among) => bits(ballot, size).filter(|bit| counts(among, own, *bit)).count() as u32,
+            Exchange::Lowest => bits(ballot, size).next().unwrap_or(u32::MAX),
+            Exchange::Highest => bits(ballot, size).last().unwrap_or(u32::MAX),
+            Exchange::Fold(f, start, among) => {
+                let others = lanes.iter().filter(|other| counts(among, own, u32::from(*other - first)));
+                others.fold(start, |sum, other| f(sum, value(other)))
+            }
+        };
+        [one, 0, 0, 0]
     }
 }
 

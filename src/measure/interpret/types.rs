@@ -71,13 +71,20 @@ impl Types {
             (Op::TypeFunction, _) => Type::Function,
             _ => return Err(format!("it has the type Op{op:?}")),
         };
-        self.types.insert(id, declared);
-        let size = |id: u32| self.count(id).map(|_| ());
-        if !matches!(self.types[&id], Type::Void | Type::Open(_) | Type::Pointer(..) | Type::Function) {
-            // A struct that ends with an open array has no size of its own.
-            return size(id).or_else(|what| if op == Op::TypeStruct { Ok(()) } else { Err(what) });
+        // A type is made of types before it, so that none is made of itself.
+        let parts = match &declared {
+            Type::Vector(of, _) | Type::Matrix(of, _) | Type::Array(of, _) | Type::Open(of) => vec![*of],
+            Type::Struct(members) => members.clone(),
+            _ => Vec::new(),
+        };
+        if self.types.contains_key(&id) || !parts.iter().all(|part| self.types.contains_key(part)) {
+            return Err(format!("type %{id} is not made of types before it"));
         }
-        Ok(())
+        let is_open = |part: &u32| self.count(*part).is_err();
+        let sized =
+            !parts.iter().any(is_open) && !matches!(declared, Type::Pointer(..) | Type::Function | Type::Open(_));
+        self.types.insert(id, declared);
+        if sized { self.count(id).map(|_| ()) } else { Ok(()) }
     }
 
     /// The type of an id.
@@ -98,16 +105,17 @@ impl Types {
 
     /// How many numbers a type has.
     pub(super) fn count(&self, id: u32) -> Decoded<u32> {
-        const MOST: u32 = 1 << 20;
-        let many = |of: u32, count: u32| {
-            let all = self.count(of)?.checked_mul(count).filter(|all| *all <= MOST);
-            all.ok_or_else(|| "it has a variable of more than 4 MiB".to_string())
-        };
+        const MOST: u32 = 1 << 16;
+        let few = |all: Option<u32>| all.filter(|all| *all <= MOST).ok_or("it has a value of more than 256 KiB");
+        let many = |of: u32, count: u32| Ok(few(self.count(of)?.checked_mul(count))?);
         match self.get(id)? {
             Type::Void => Ok(0),
             Type::Bool | Type::Int | Type::Float => Ok(1),
             Type::Vector(of, count) | Type::Matrix(of, count) | Type::Array(of, count) => many(*of, *count),
-            Type::Struct(members) => members.iter().map(|member| self.count(*member)).sum(),
+            Type::Struct(members) => {
+                let add = |sum: u32, member: &u32| Ok(few(sum.checked_add(self.count(*member)?))?);
+                members.iter().try_fold(0, add)
+            }
             other => Err(format!("it takes a value of {other:?}")),
         }
     }
