@@ -29,7 +29,7 @@
 //! # Modules, from the top layer down; each depends on lower ones only
 //!
 //! - `cli`, by the feature of that name: one thin file per subcommand, on the public API.
-//! - [`crate::measure`]: conformance, profiles, users' own shaders, error norms, the brute-force reference, error
+//! - [`crate::measure`]: conformance, an interpreter of kernels, profiles, users' own shaders, error norms, the brute-force reference, error
 //!   against run time, extreme cases, the tables of the papers beside ours, numerical error beside the model's, and a
 //!   report of it all.
 //! - [`session`]: runs frames on the CPU or a device, and reads their results.
