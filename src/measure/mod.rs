@@ -1,6 +1,6 @@
-//! Measurements: conformance, an interpreter that watches kernels, profiles, times of variants and their statistics, error norms, quality of the error
-//! estimate, reference solutions, error against run time, extreme cases, the papers' tables, layers, shading by
-//! curvature, modes, numerical error beside the model's error; and a report of them all.
+//! Measurements: conformance, an interpreter that watches kernels, profiles, times of variants and their statistics,
+//! error norms, quality of the error estimate, reference solutions, error against run time, extreme cases, the papers'
+//! tables, layers, shading by curvature, modes, numerical error beside the model's error; and a report of them all.
 
 pub mod accuracy;
 pub mod balls;
