@@ -16,6 +16,7 @@
 //! | [Random walk](walk) | the reference without approximations: what it simulates, its noise, its time |
 //! | [Measuring](measuring) | error norms, references, error against run time, extreme cases, the papers' tables |
 //! | [Conformance](conformance) | for driver people: what is compared, and how to reduce a failure |
+//! | [Sanitizing kernels](sanitizing) | data races, accesses out of bounds and more in kernels, by an interpreter |
 //! | [For driver engineers](drivers) | failures as files that run elsewhere, results for build servers |
 //! | [Performance](performance) | profiles, your own kernels, tuning |
 //! | [Varying the API](api) | what a choice of Vulkan costs: descriptors, barriers, submissions, groups and more |
@@ -41,5 +42,5 @@ macro_rules! pages {
 }
 
 pages! {
-    start pictures window scenes meshes lights motion layers curvature how diffusion walk measuring conformance drivers performance bottlenecks api experiments robustness library contributing
+    start pictures window scenes meshes lights motion layers curvature how diffusion walk measuring conformance sanitizing drivers performance bottlenecks api experiments robustness library contributing
 }

@@ -29,9 +29,9 @@
 //! # Modules, from the top layer down; each depends on lower ones only
 //!
 //! - `cli`, by the feature of that name: one thin file per subcommand, on the public API.
-//! - [`crate::measure`]: conformance, profiles, users' own shaders, error norms, the brute-force reference, error
-//!   against run time, extreme cases, the tables of the papers beside ours, numerical error beside the model's, and a
-//!   report of it all.
+//! - [`crate::measure`]: conformance, an interpreter of kernels, profiles, users' own shaders, error norms, the
+//!   brute-force reference, error against run time, extreme cases, the tables of the papers beside ours, numerical
+//!   error beside the model's, and a report of it all.
 //! - [`session`]: runs frames on the CPU or a device, and reads their results.
 //! - [`prepare`]: builds the state from a scene.
 //! - [`pipeline`]: the frame, the plan (the stages that a state needs, and why the others are skipped), buffer sizes.

@@ -54,15 +54,16 @@ bool goes_on(Waiting way) { return waits(way) && way.listed < MOST_LISTED; }
 
 // Lists triangles until the list is full or nothing waits; returns their number.
 uint list_triangles(Place self, inout Waiting way) {
+    uint count = 0, top = NONE;
     if (way.nodes == 0) {
         --way.tops;
-        pool[self.stack] = WIDE * way.tops;
+        top = WIDE * way.tops;
         way.nodes = 1;
     }
-    uint count = 0;
     while (way.nodes > 0 && count + WIDE <= LIST) {
         --way.nodes;
-        uint node = pool[self.stack + way.nodes];
+        uint node = top != NONE ? top : pool[self.stack + way.nodes];
+        top = NONE;
         // Each child in the shaft sets a bit: of the lower half if it is a triangle, else of the upper half.
         uint met = 0;
         Bounds box[WIDE / LEAST_TEAM];
@@ -72,6 +73,8 @@ uint list_triangles(Place self, inout Waiting way) {
             met |= in_shaft(box[k].low, box[k].high) ? 1u << (child + (box[k].face != NONE ? 0 : 16)) : 0;
         }
         met = joined(met);
+        // All have read what some overwrite: the node's place, and the list of before.
+        exchange_in_subgroup();
         for (uint k = 0; k < WIDE / TEAM; ++k) {
             uint child = self.mine + k * TEAM, before = (0x10001u << child) - 0x10001u & met;
             bool leaf = box[k].face != NONE;

@@ -82,4 +82,6 @@ pub use replace::{Given, kernels_of, replacements, source, sources};
 #[cfg(feature = "measure")]
 pub(crate) use shift::shifted;
 pub use single_kernel::SingleKernel;
+#[cfg(feature = "measure")]
+pub(crate) use spirv_module::{Instruction, instructions};
 pub(crate) use transfer::{BufferRange, Upload, download, upload};

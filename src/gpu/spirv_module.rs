@@ -13,17 +13,17 @@ const BOUND: usize = 3;
 
 /// An instruction of a module.
 #[derive(Clone, Copy)]
-pub(super) struct Instruction<'a> {
+pub(crate) struct Instruction<'a> {
     /// What it does; none for an instruction that is newer than the enumeration.
-    pub(super) op: Option<Op>,
+    pub(crate) op: Option<Op>,
     /// The words after the first one: ids and literals.
-    pub(super) operands: &'a [u32],
+    pub(crate) operands: &'a [u32],
     /// All its words; the first one holds its length and its opcode.
     words: &'a [u32],
 }
 
 /// The instructions of a module, in their order.
-pub(super) fn instructions(module: &[u32]) -> impl Iterator<Item = Instruction<'_>> {
+pub(crate) fn instructions(module: &[u32]) -> impl Iterator<Item = Instruction<'_>> {
     let mut rest = module.get(HEADER_WORDS..).unwrap_or_default();
     std::iter::from_fn(move || {
         let first = *rest.first()?;

@@ -15,10 +15,8 @@ use crate::measure::bias::{Bias, add};
 pub use crate::measure::compare::BINS;
 use crate::measure::compare::{Comparison, compare};
 use crate::measure::fixtures::Fixture;
+use crate::measure::interpret::POISON;
 use crate::state::{DeviceState, Role, State, Step, Tolerance};
-
-/// The poison word: NaN as a float, far beyond any index as an integer.
-const POISON: u32 = 0xffc0_dead;
 
 /// The result of one stage on one fixture.
 #[derive(Clone, Debug, Default)]
@@ -116,25 +114,7 @@ fn compared(
         for mut row in pair.step(*step, &fixture.name, plants)? {
             row.seconds = start.elapsed().as_secs_f64();
             row.failed = (!row.faults.is_empty()).then_some(index);
-            match rows.iter_mut().find(|known| known.stage == row.stage) {
-                Some(known) => {
-                    known.steps += 1;
-                    known.words += row.words;
-                    if row.ulp > known.ulp {
-                        (known.ulp, known.farthest) = (row.ulp, row.farthest);
-                    }
-                    known.histogram.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count);
-                    known.relative = known.relative.max(row.relative);
-                    known.used = known.used.max(row.used);
-                    add(&mut known.biases, &row.biases);
-                    known.faults.extend(row.faults);
-                    known.failed = known.failed.or(row.failed);
-                    known.seconds += row.seconds;
-                    let hashes = known.hashes.iter_mut().zip(row.hashes);
-                    hashes.for_each(|((_, hash), (_, more))| *hash = hashed(*hash, &more.to_le_bytes()));
-                }
-                None => rows.push(row),
-            }
+            add_row(&mut rows, row);
         }
         let last = fixture.steps[index + 1..end].iter().all(|later| later.stage.name != step.stage.name);
         for row in rows.iter_mut().filter(|row| last && row.stage == step.stage.name) {
@@ -144,11 +124,30 @@ fn compared(
     Ok(rows)
 }
 
+/// Adds the row of a step to that of its stage.
+pub(super) fn add_row(rows: &mut Vec<Row>, row: Row) {
+    let Some(known) = rows.iter_mut().find(|known| known.stage == row.stage) else { return rows.push(row) };
+    known.steps += 1;
+    known.words += row.words;
+    if row.ulp > known.ulp {
+        (known.ulp, known.farthest) = (row.ulp, row.farthest);
+    }
+    known.histogram.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count);
+    known.relative = known.relative.max(row.relative);
+    known.used = known.used.max(row.used);
+    add(&mut known.biases, &row.biases);
+    known.faults.extend(row.faults);
+    known.failed = known.failed.or(row.failed);
+    known.seconds += row.seconds;
+    let hashes = known.hashes.iter_mut().zip(row.hashes);
+    hashes.for_each(|((_, hash), (_, more))| *hash = hashed(*hash, &more.to_le_bytes()));
+}
+
 /// The hash of no bytes.
-const SEED: u64 = 0xcbf2_9ce4_8422_2325;
+pub(super) const SEED: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// A hash of these bytes after others: FNV-1a over words.
-fn hashed(hash: u64, bytes: &[u8]) -> u64 {
+pub(super) fn hashed(hash: u64, bytes: &[u8]) -> u64 {
     let word = |b: &[u8]| b.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte));
     bytes.chunks(4).fold(hash, |hash, b| (hash ^ word(b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
@@ -242,36 +241,7 @@ impl Pair {
 
     /// Compares both sides after a step; `first` holds what the device wrote in its first run.
     fn row(&self, step: Step, name: &str, first: &[Vec<u8>], trespasses: &[&str]) -> Row {
-        let mut row = Row { fixture: name.to_string(), stage: step.stage.name, steps: 1, ..Row::default() };
-        for &slot in BUFFER_IDS {
-            let written = step.stage.writes.iter().find(|(written, _, _)| *written == slot);
-            let tolerance = written.map_or(Tolerance::Exact, |(_, _, tolerance)| *tolerance);
-            let found: Comparison =
-                compare(slot, &self.reference, &self.device, tolerance, self.reference.part(slot, step.at));
-            if written.is_some() {
-                row.words += found.words;
-                if found.ulp > row.ulp {
-                    (row.ulp, row.farthest) = (found.ulp, found.farthest);
-                }
-                row.histogram.iter_mut().zip(found.histogram).for_each(|(sum, count)| *sum += count);
-                row.relative = row.relative.max(found.relative);
-                row.used = row.used.max(found.used);
-                add(&mut row.biases, &found.biases);
-            }
-            if found.failures > 0 {
-                let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };
-                let first = found.first.unwrap_or_default();
-                let mut fault = format!("{step} {what}, {} words: {first}", found.failures);
-                if let Some(worst) = found.worst {
-                    fault += &format!("; worst {worst}");
-                }
-                fault += &format!("; wrong: {}", found.places);
-                if tolerance != Tolerance::Exact {
-                    fault += &format!("; the tolerance is {tolerance:?} because {}", step.stage.reason);
-                }
-                row.faults.push(fault);
-            }
-        }
+        let mut row = compared_row(step, name, [&self.reference, &self.device]);
         for ((slot, _, _), first) in step.stage.writes.iter().zip(first) {
             row.hashes.push((slot.spec().name, hashed(SEED, first)));
             if self.device.data.bytes(*slot) != first {
@@ -282,4 +252,38 @@ impl Pair {
         row.faults.extend(self.device_state.device().take_messages());
         row
     }
+}
+
+/// Compares all memory of the reference and of a device after a step.
+pub(super) fn compared_row(step: Step, name: &str, [reference, device]: [&State; 2]) -> Row {
+    let mut row = Row { fixture: name.to_string(), stage: step.stage.name, steps: 1, ..Row::default() };
+    for &slot in BUFFER_IDS {
+        let written = step.stage.writes.iter().find(|(written, _, _)| *written == slot);
+        let tolerance = written.map_or(Tolerance::Exact, |(_, _, tolerance)| *tolerance);
+        let found: Comparison = compare(slot, reference, device, tolerance, reference.part(slot, step.at));
+        if written.is_some() {
+            row.words += found.words;
+            if found.ulp > row.ulp {
+                (row.ulp, row.farthest) = (found.ulp, found.farthest);
+            }
+            row.histogram.iter_mut().zip(found.histogram).for_each(|(sum, count)| *sum += count);
+            row.relative = row.relative.max(found.relative);
+            row.used = row.used.max(found.used);
+            add(&mut row.biases, &found.biases);
+        }
+        if found.failures > 0 {
+            let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };
+            let first = found.first.unwrap_or_default();
+            let mut fault = format!("{step} {what}, {} words: {first}", found.failures);
+            if let Some(worst) = found.worst {
+                fault += &format!("; worst {worst}");
+            }
+            fault += &format!("; wrong: {}", found.places);
+            if tolerance != Tolerance::Exact {
+                fault += &format!("; the tolerance is {tolerance:?} because {}", step.stage.reason);
+            }
+            row.faults.push(fault);
+        }
+    }
+    row
 }

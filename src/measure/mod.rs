@@ -1,6 +1,6 @@
-//! Measurements: conformance, profiles, times of variants and their statistics, error norms, quality of the error
-//! estimate, reference solutions, error against run time, extreme cases, the papers' tables, layers, shading by
-//! curvature, modes, numerical error beside the model's error; and a report of them all.
+//! Measurements: conformance, an interpreter that watches kernels, profiles, times of variants and their statistics,
+//! error norms, quality of the error estimate, reference solutions, error against run time, extreme cases, the papers'
+//! tables, layers, shading by curvature, modes, numerical error beside the model's error; and a report of them all.
 
 pub mod accuracy;
 pub mod balls;
@@ -15,6 +15,8 @@ pub mod eval;
 pub mod fixtures;
 pub mod flat;
 pub mod folder;
+pub mod interpret;
+pub mod interpreted;
 pub mod interval;
 pub mod layers;
 pub mod leaning;

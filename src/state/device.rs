@@ -203,17 +203,22 @@ impl DeviceState {
 }
 
 /// A dispatch that a stage requests.
-pub(super) struct Call<'a> {
-    pub(super) kernel: &'a str,
-    pub(super) constants: &'a [u32],
-    pub(super) push: &'a [u8],
-    pub(super) at: Scope,
-    pub(super) groups: Groups,
+pub struct Call<'a> {
+    /// The kernel, `transport/blocks/gather/direct`.
+    pub kernel: &'a str,
+    /// Its specialization constants 0, 1, ...
+    pub constants: &'a [u32],
+    /// Its push constants.
+    pub push: &'a [u8],
+    /// The scope.
+    pub at: Scope,
+    /// How large it is.
+    pub groups: Groups,
 }
 
 /// How large a dispatch is.
 #[derive(Clone, Copy)]
-pub(super) enum Groups {
+pub enum Groups {
     /// This many invocations.
     Invocations(usize),
     /// This many groups.

@@ -14,9 +14,9 @@ mod trace;
 
 pub use carrier::Carrier;
 pub use change::{Change, Changes, Update};
-pub use device::DeviceState;
+pub use device::{Call, DeviceState, Groups};
 pub use objects::{Extent, LitAt, Object};
-pub use pass::{Bound, Dispatch, Pass, Width, dispatches};
+pub use pass::{Bound, Dispatch, Pass, Width, dispatches, requested};
 pub use schedule::{Chunk, Schedule};
 pub use stage::{Host, Need, Role, Serves, Size, Stage, Step};
 pub use tolerance::{Field, Rounding, Tolerance};

@@ -21,7 +21,7 @@ pub struct Pass<'a> {
 enum Sink<'a> {
     Device(&'a DeviceState, &'a mut Recorder),
     Part(&'a DeviceState, &'a mut Recorder, OneOf<'a>),
-    List(Width, &'a mut Vec<Dispatch>),
+    Ask(Width, &'a mut dyn FnMut(&Call<'_>) -> Result<()>),
     Trace(&'a DeviceState, &'a mut Trace, Way<'a>),
 }
 
@@ -104,12 +104,26 @@ impl Width {
     }
 }
 
+/// Tells each dispatch that a step requests on a device of this width; needs no device.
+pub fn requested(state: &State, step: Step, width: Width, told: &mut dyn FnMut(&Call<'_>) -> Result<()>) -> Result<()> {
+    (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink: Sink::Ask(width, told) })
+}
+
 /// Lists what these steps dispatch on a device of this width; needs no device.
 pub fn dispatches(state: &State, steps: &[Step], width: Width) -> Result<Vec<Dispatch>> {
     let mut found = Vec::new();
     for step in steps {
-        let sink = Sink::List(width, &mut found);
-        (step.stage.gpu)(&mut Pass { state, at: step.at, step: *step, sink })?;
+        requested(state, *step, width, &mut |call| {
+            let invocations = match call.groups {
+                Groups::Invocations(0) | Groups::Whole(0) => return Ok(()),
+                Groups::Invocations(count) => Some(count),
+                Groups::Whole(count) => Some(count * GROUP_SIZE as usize),
+                Groups::Counted { .. } => None,
+            };
+            let (stage, kernel, constants) = (step.stage.name, call.kernel.to_string(), call.constants.to_vec());
+            found.push(Dispatch { stage, kernel, constants, at: call.at, invocations });
+            Ok(())
+        })?;
     }
     Ok(found)
 }
@@ -204,7 +218,7 @@ impl<'s> Pass<'s> {
             Sink::Device(device_state, _) | Sink::Part(device_state, ..) | Sink::Trace(device_state, ..) => {
                 Width::of(device_state.device())
             }
-            Sink::List(width, _) => *width,
+            Sink::Ask(width, _) => *width,
         }
     }
 
@@ -231,7 +245,7 @@ impl<'s> Pass<'s> {
     }
 
     fn submit(&mut self, part: Option<&str>, constants: &[u32], push: &[u8], groups: Groups) -> Result<()> {
-        let (kernel, stage) = (self.kernel(part), self.step.stage.name);
+        let kernel = self.kernel(part);
         match &mut self.sink {
             Sink::Device(device_state, recorder) => {
                 let (state, call) = (self.state, Call { kernel: &kernel, constants, push, at: self.at, groups });
@@ -257,16 +271,7 @@ impl<'s> Pass<'s> {
                 let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
                 device_state.traced(self.state, &call, (trace, way))?;
             }
-            Sink::List(_, found) => {
-                let invocations = match groups {
-                    Groups::Invocations(0) | Groups::Whole(0) => return Ok(()),
-                    Groups::Invocations(count) => Some(count),
-                    Groups::Whole(count) => Some(count * GROUP_SIZE as usize),
-                    Groups::Counted { .. } => None,
-                };
-                let constants = constants.to_vec();
-                found.push(Dispatch { stage, kernel, constants, at: self.at, invocations });
-            }
+            Sink::Ask(_, told) => told(&Call { kernel: &kernel, constants, push, at: self.at, groups })?,
         }
         Ok(())
     }
@@ -290,7 +295,7 @@ impl<'s> Pass<'s> {
                 let kernel = device_state.kernels().get(&self.kernel(Some(part)), constants)?;
                 Ok(kernel.lanes() > 1)
             }
-            Sink::List(width, _) => Ok(width.shares),
+            Sink::Ask(width, _) => Ok(width.shares),
         }
     }
 

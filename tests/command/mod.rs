@@ -29,6 +29,8 @@ mod replaced;
 mod report;
 mod repro;
 mod results;
+#[cfg(feature = "shaderc")]
+mod sanitize;
 mod stress;
 mod studio;
 mod textures;

@@ -10,12 +10,16 @@ mod fingerprints;
 mod guards;
 mod idle;
 mod instrument;
+#[cfg(feature = "shaderc")]
+mod interpreter;
 mod labels;
 mod lanes;
 mod limits;
 mod mutants;
 mod pictures;
 mod repro;
+#[cfg(feature = "shaderc")]
+mod sanitize;
 mod stages;
 mod systematic;
 mod variants;

@@ -29,7 +29,8 @@ pub struct Arguments {
     pub(super) frame: f64,
     #[command(flatten)]
     pub(super) option_args: OptionArguments,
-    /// A device's number in `milkglass devices`, or part of its name [default: every Vulkan device].
+    /// A device's number in `milkglass devices`, or part of its name; `interpreter` runs kernels by the letter of the
+    /// specification, without a device [default: every Vulkan device].
     #[arg(long, value_name = "DEVICE")]
     pub(super) device: Option<String>,
     /// Run without the validation layer.
@@ -57,6 +58,10 @@ pub struct Arguments {
     pub(super) stage: Vec<String>,
     #[command(flatten)]
     pub(super) replace: ReplaceArgument,
+    /// Compare nothing: run the kernels in the interpreter, and report data races, accesses out of bounds,
+    /// uninitialised values, barriers and subgroup operations in non-uniform flow, and results that are not finite.
+    #[arg(long, conflicts_with_all = ["device", "json", "jsonl", "expect", "baseline", "child", "list"])]
+    pub(super) sanitize: bool,
     /// For each stage and fixture that differs, and with --isolate for each that hangs or crashes, write the dispatch
     /// to a folder of this folder: see `milkglass replay`.
     #[arg(long, value_name = "FOLDER")]

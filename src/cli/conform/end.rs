@@ -100,7 +100,9 @@ fn closing(all: &Results) -> Result<()> {
         let wrong: Vec<&str> = facts.probes.iter().filter(|fact| !fact.right).map(|fact| fact.name.as_str()).collect();
         let avoided = if wrong.is_empty() { String::new() } else { format!("; avoided: {}", wrong.join(", ")) };
         let (right, all) = (facts.probes.len() - wrong.len(), facts.probes.len());
-        text += &format!("{right} of {all} probes of {name} are right{avoided}\n");
+        if all > 0 {
+            text += &format!("{right} of {all} probes of {name} are right{avoided}\n");
+        }
     }
     text += &format!("on {}; {}\n", all.run.system, watched(all.run.layer.as_deref()));
     let known = all.results.iter().filter(|outcome| outcome.known.is_some()).count();

@@ -8,6 +8,7 @@ mod drivers;
 mod dumps;
 mod end;
 mod expect;
+mod interpreted;
 mod isolate;
 mod junit;
 mod sheet;
@@ -39,6 +40,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.list {
         return print(&choices.iter().map(|choice| format!("{}\n", choice.name())).collect::<String>());
     }
+    if arguments.sanitize {
+        return interpreted::sanitize(arguments, &choices);
+    }
     ready([
         ("--json", arguments.json.as_ref()),
         ("--jsonl", arguments.jsonl.as_ref()),
@@ -46,6 +50,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ("--coverage", arguments.coverage.as_ref()),
     ])?;
     let before: Option<Results> = arguments.baseline.as_deref().map(read).transpose()?;
+    if interpreted::is_asked(arguments) {
+        return interpreted::run(arguments, &choices, before.as_ref());
+    }
     let known = expect::load(arguments.expect.as_deref())?;
     let kernels = arguments.replace.load()?;
     let instance = Instance::open(!arguments.no_validation)?;

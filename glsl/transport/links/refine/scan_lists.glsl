@@ -38,7 +38,8 @@ void main() {
         at += count;
     }
 
-    // Every invocation has read the counters.
+    // Every invocation has read the counters: a barrier alone orders shared memory only.
+    memoryBarrierBuffer();
     barrier();
     if (gl_LocalInvocationIndex == 0) {
         note(total);

@@ -36,7 +36,8 @@ void main() {
         count += uint(fit && listed(receiver));
     }
 
-    // Every invocation has read the sums and the counters.
+    // Every invocation has read the sums and the counters: a barrier alone orders shared memory only.
+    memoryBarrierBuffer();
     barrier();
     uint to = range.first + sum_before(count), listed_ = sum_of_all();
     for (uint i = run.x; i < run.y; ++i) {

@@ -1,0 +1,116 @@
+//! A kernel that the interpreter can run.
+
+use std::collections::BTreeMap;
+
+use super::code::Code;
+use super::memory::{Memory, Part};
+use super::run::Launch;
+use super::watch::{Finding, Kind, Suspects, Watch};
+use crate::error::{Error, Result};
+
+/// Most invocations of a group.
+const MOST_INVOCATIONS: u32 = 1024;
+/// Most numbers of all invocations of a group.
+const MOST_NUMBERS: u64 = 1 << 26;
+/// Sizes that a subgroup can have.
+const SUBGROUPS: std::ops::RangeInclusive<u32> = 1..=128;
+
+/// A kernel.
+pub struct Kernel {
+    name: String,
+    code: Code,
+}
+
+/// A dispatch of it.
+pub struct Launched<'a> {
+    /// Groups in each dimension.
+    pub groups: [u32; 3],
+    /// Push constants.
+    pub push: &'a [u8],
+    /// What is bound, by binding.
+    pub bound: &'a BTreeMap<u32, Part>,
+    /// The buffers.
+    pub memory: &'a [&'a Memory],
+    /// Invocations of a subgroup.
+    pub subgroup: u32,
+}
+
+impl Kernel {
+    /// The kernel of this SPIR-V with these values of specialization constants, by their ids; fails where it has what
+    /// the interpreter has not.
+    pub fn new(name: &str, words: &[u32], special: &BTreeMap<u32, u32>) -> Result<Self> {
+        let fault = |what: String| Error::device(format!("interpreting kernel {name}"), what);
+        let code = super::builder::decoded(words, special).map_err(fault)?;
+        let count = code.group.iter().try_fold(1u32, |all, count| all.checked_mul(*count));
+        if !count.is_some_and(|count| (1..=MOST_INVOCATIONS).contains(&count)) {
+            return Err(fault(format!(
+                "its groups are {:?}; they have at most {MOST_INVOCATIONS} invocations",
+                code.group
+            )));
+        }
+        if u64::from(code.registers) * u64::from(code.group.iter().product::<u32>()) > MOST_NUMBERS {
+            return Err(fault("its groups have too many numbers".into()));
+        }
+        Ok(Self { name: name.into(), code })
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Invocations of a group.
+    #[must_use]
+    pub fn group(&self) -> u32 {
+        self.code.group.iter().product()
+    }
+
+    /// Runs a dispatch; returns how many instructions of SPIR-V its invocations have executed together.
+    pub fn run(&self, launched: &Launched<'_>) -> Result<u64> {
+        self.with(launched, None)
+    }
+
+    /// Runs a dispatch and watches it: also returns what is wrong, and which words of buffers became infinite or NaN.
+    pub(super) fn watched(&self, launched: &Launched<'_>) -> Result<(u64, Vec<Finding>, Suspects)> {
+        let mut watch = Watch::new(&self.name, &self.code, launched.subgroup);
+        let executed = self.with(launched, Some(&mut watch))?;
+        Ok((executed, watch.findings, watch.infinite))
+    }
+
+    /// Runs a dispatch and returns what is wrong with its use of memory and barriers.
+    pub fn findings(&self, launched: &Launched<'_>) -> Result<Vec<Finding>> {
+        Ok(self.watched(launched)?.1)
+    }
+
+    /// The finding that an instruction and an invocation left a word infinite or NaN.
+    pub(super) fn not_finite(&self, (at, invocation): (u32, u32), what: &str) -> Finding {
+        let (lane, group) = (invocation % self.group(), invocation / self.group());
+        let what = format!("invocation {lane} of group {group} writes {what}");
+        let site = self.code.places[at as usize].clone();
+        Finding { kind: Kind::NotFinite, kernel: self.name.clone(), site, what, times: 1 }
+    }
+
+    /// The bindings of its buffers.
+    pub(super) fn bindings(&self) -> &[u32] {
+        &self.code.buffers
+    }
+
+    fn with(&self, launched: &Launched<'_>, watch: Option<&mut Watch<'_>>) -> Result<u64> {
+        let fault = |what: String| Error::device(format!("interpreting kernel {}", self.name), what);
+        let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        let push: Vec<u32> = launched.push.chunks_exact(4).map(word).collect();
+        let takes = self.code.pushed.1 as usize;
+        let push = push.get(..takes).ok_or_else(|| fault(format!("it takes {takes} words of push constants")))?;
+        let part = |binding: &u32| {
+            let part = launched.bound.get(binding).copied().filter(|part| part.memory < launched.memory.len());
+            part.ok_or_else(|| fault(format!("nothing is bound at {binding}")))
+        };
+        let bound = self.code.buffers.iter().map(part).collect::<Result<Vec<Part>>>()?;
+        if !SUBGROUPS.contains(&launched.subgroup) {
+            return Err(fault(format!("subgroups of {} invocations", launched.subgroup)));
+        }
+        let Launched { groups, memory, subgroup, .. } = *launched;
+        Launch { code: &self.code, groups, push, bound: &bound, memory, subgroup }.run(watch).map_err(fault)
+    }
+}

@@ -1,0 +1,188 @@
+//! The dispatches of a stage on the interpreter: the same list that a device would get, on copies of the state's
+//! buffers. The device that they are made for shares items among [`LANES`] invocations and has subgroups of
+//! [`SUBGROUP`].
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+
+use super::{Finding, Kernel, Launched, Memory, Part, Suspects};
+use crate::error::{Error, Result};
+use crate::gpu::{KernelKey, set_by_device, spirv};
+use crate::layout::{BUFFER_IDS, BufferId, GROUPS_A_ROW, MOST_LANES};
+use crate::state::{Call, Groups, State, Step, Width, requested};
+
+/// Invocations that share an item, in kernels that can.
+pub const LANES: u32 = MOST_LANES;
+/// Invocations of a subgroup.
+pub const SUBGROUP: u32 = 32;
+
+/// Kernels as the interpreter has them, each decoded once.
+#[derive(Default)]
+pub struct Interpreter {
+    /// The SPIR-V of kernels that do not come from the build, by name.
+    replaced: BTreeMap<String, Vec<u32>>,
+    prepared: RefCell<BTreeMap<KernelKey, Rc<Prepared>>>,
+}
+
+/// A kernel, and how its invocations share items.
+struct Prepared {
+    kernel: Kernel,
+    /// Invocations of an item.
+    an_item: u32,
+    /// Whether the groups of an indirect dispatch are in the next element.
+    shares: bool,
+}
+
+/// What a step's dispatches have done.
+#[derive(Default)]
+pub struct Ran {
+    /// The buffers that they bind, as they left them.
+    buffers: Vec<(BufferId, Memory)>,
+    /// Instructions of SPIR-V that invocations have executed.
+    pub executed: u64,
+    /// How many dispatches of at least one group there were.
+    pub dispatches: usize,
+    /// Their kernels.
+    pub kernels: BTreeSet<String>,
+    findings: Vec<Finding>,
+    suspects: Vec<(Rc<Prepared>, Suspects)>,
+}
+
+impl Interpreter {
+    /// The interpreter with these kernels in place of built-in ones.
+    #[must_use]
+    pub fn new(replaced: Vec<(String, Vec<u32>)>) -> Self {
+        Self { replaced: replaced.into_iter().collect(), ..Self::default() }
+    }
+
+    /// The kernels that do not come from the build.
+    pub fn replaced(&self) -> impl Iterator<Item = &str> {
+        self.replaced.keys().map(String::as_str)
+    }
+
+    /// Runs a step's dispatches on copies of the state's buffers; if they are `watched`, finds what is wrong.
+    pub fn run(&self, state: &State, step: Step, watched: bool) -> Result<Ran> {
+        let mut ran = Ran::default();
+        let width = Width { subgroup: SUBGROUP as usize, shares: true };
+        requested(state, step, width, &mut |call| self.dispatch(state, call, &mut ran, watched))?;
+        Ok(ran)
+    }
+
+    fn dispatch(&self, state: &State, call: &Call<'_>, ran: &mut Ran, watched: bool) -> Result<()> {
+        let prepared = self.prepared(call.kernel, call.constants)?;
+        let group = u64::from(prepared.kernel.group());
+        let groups = match call.groups {
+            Groups::Invocations(count) => {
+                let groups = (count as u64 * u64::from(prepared.an_item)).div_ceil(group);
+                let row = u64::from(GROUPS_A_ROW);
+                [groups.min(row), groups.div_ceil(row), 1].map(|count| count as u32)
+            }
+            Groups::Whole(count) => [count as u32, 1, 1],
+            Groups::Counted { slot, element } => {
+                let Part { memory, first, .. } = ran.part(state, slot, call);
+                let words = slot.spec().stride / 4 * (element + usize::from(prepared.shares));
+                let (from, memory) = (first + words, &ran.buffers[memory].1);
+                [0, 1, 2].map(|k| if from + k < memory.len() { memory.get(from + k) } else { 0 })
+            }
+        };
+        if groups.contains(&0) {
+            return Ok(());
+        }
+        let mut bound = BTreeMap::new();
+        for binding in prepared.kernel.bindings() {
+            let doing = || format!("interpreting kernel {}", call.kernel);
+            let id = BUFFER_IDS.get(*binding as usize);
+            let id = id.ok_or_else(|| Error::device(doing(), format!("nothing is bound at {binding}")))?;
+            bound.insert(*binding, ran.part(state, state.data.bound(*id), call));
+        }
+        ran.dispatches += 1;
+        ran.kernels.insert(call.kernel.to_string());
+        let memory: Vec<&Memory> = ran.buffers.iter().map(|(_, memory)| memory).collect();
+        let launched = Launched { groups, push: call.push, bound: &bound, memory: &memory, subgroup: SUBGROUP };
+        if watched {
+            let (executed, findings, suspects) = prepared.kernel.watched(&launched)?;
+            ran.executed += executed;
+            ran.findings.extend(findings);
+            ran.suspects.push((prepared.clone(), suspects));
+        } else {
+            ran.executed += prepared.kernel.run(&launched)?;
+        }
+        Ok(())
+    }
+
+    fn prepared(&self, name: &str, constants: &[u32]) -> Result<Rc<Prepared>> {
+        let key = KernelKey { name: name.to_string(), constants: constants.to_vec() };
+        if let Some(known) = self.prepared.borrow().get(&key) {
+            return Ok(known.clone());
+        }
+        let words = match self.replaced.get(name) {
+            Some(words) => words.clone(),
+            None => {
+                let missing = || Error::device(format!("looking for kernel {name}"), "no such shader was built");
+                let word = |b: &[u8]| u32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+                spirv(name).ok_or_else(missing)?.chunks_exact(4).map(word).collect()
+            }
+        };
+        let shape = set_by_device(name, &words, LANES);
+        let special = (0..).zip(constants.iter().copied()).chain(shape.iter().copied()).collect();
+        let kernel = Kernel::new(name, &words, &special)?;
+        // The size of its groups, and what tells the kernel how items are shared.
+        let (an_item, shares) = match shape[..] {
+            [_, (_, count)] => (count, true),
+            _ => (1, false),
+        };
+        let prepared = Rc::new(Prepared { kernel, an_item, shares });
+        self.prepared.borrow_mut().insert(key, prepared.clone());
+        Ok(prepared)
+    }
+}
+
+impl Ran {
+    /// The part of a buffer that a dispatch binds; the buffer is copied when it is first bound.
+    fn part(&mut self, state: &State, id: BufferId, call: &Call<'_>) -> Part {
+        let known = self.buffers.iter().position(|(known, _)| *known == id);
+        let memory = known.unwrap_or_else(|| {
+            self.buffers.push((id, Memory::of(state.data.bytes(id))));
+            self.buffers.len() - 1
+        });
+        let (first, count) = state.part(id, call.at);
+        let [first, count] = [first, count].map(|elements| elements * id.spec().stride / 4);
+        Part { memory, first, count }
+    }
+
+    /// Copies the buffers to a state of the same sizes.
+    pub fn write(&self, state: &mut State) {
+        self.buffers.iter().for_each(|(id, memory)| memory.write(state.data.bytes_mut(*id)));
+    }
+
+    /// What was found wrong, once it is known what the reference makes of the step.
+    #[must_use]
+    pub fn findings(mut self, reference: &State) -> Vec<Finding> {
+        for (prepared, suspects) in &self.suspects {
+            for ((memory, word), by) in suspects {
+                let (id, memory) = &self.buffers[*memory];
+                let right = Memory::of(state_bytes(reference, *id, *word)).float(0);
+                let (Some(value), Some(right)) = (memory.float(*word), right) else { continue };
+                if value.is_finite() || !right.is_finite() {
+                    continue;
+                }
+                let (spec, stride) = (id.spec(), id.spec().stride / 4);
+                let place = format!("{}[{}], word {} of {stride}", spec.name, word / stride, word % stride);
+                let what = format!("{value} to {place}, where the reference has {right}");
+                let finding = prepared.kernel.not_finite(*by, &what);
+                let same = |known: &&mut Finding| known.kind == finding.kind && known.site == finding.site;
+                match self.findings.iter_mut().find(same) {
+                    Some(known) => known.times += 1,
+                    None => self.findings.push(finding),
+                }
+            }
+        }
+        self.findings
+    }
+}
+
+/// The bytes of a word of a buffer, none where it has fewer.
+fn state_bytes(state: &State, id: BufferId, word: usize) -> &[u8] {
+    state.data.bytes(id).get(4 * word..4 * word + 4).unwrap_or_default()
+}

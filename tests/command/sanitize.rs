@@ -1,0 +1,43 @@
+//! `conform --sanitize` and `conform --device interpreter`.
+
+use crate::shell::{bad, folder, good};
+
+/// A ball small enough to run quickly.
+const BALL: &str = "[camera]\nsize = [16, 12]\n[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\n\
+                    material = { preset = 'marble' }\n[[light]]\ntype = 'directional'\ndirection = [1, 1, 1]\n\
+                    irradiance = 3\n[transport]\nreceivers = 'faces'\n";
+
+#[test]
+fn a_sound_kernel_passes_and_a_faulty_one_is_named_with_its_line() {
+    let here = folder(&[("a.toml", BALL)]);
+    let (out, _) = good(&here, "conform a.toml --sanitize --stage push,pull");
+    assert!(out.contains("on 1 scene:") && out.contains("nothing is wrong"), "{out}");
+    let (text, _) = good(&here, "shader transport/blocks/push");
+    let text = text.replace("radiosity[self.face] =", "radiosity[self.face + 1] =");
+    std::fs::write(here.path().join("own.comp"), &text).unwrap();
+    let line = text.lines().position(|line| line.contains("self.face + 1]")).unwrap() + 1;
+    let command = "conform a.toml --sanitize --replace transport/blocks/push=own.comp";
+    bad(&here, command, 1, &["fault"]);
+    let output = crate::shell::program(&here, command).output().unwrap();
+    let (out, _) = crate::shell::said(&output);
+    let named = format!("out of bounds: transport/blocks/push: own.comp:{line} (OpStore)");
+    assert!(out.contains(&named) && out.contains("writes radiosity["), "{named} is not in\n{out}");
+}
+
+#[test]
+fn the_interpreter_is_a_device() {
+    let here = folder(&[("a.toml", BALL)]);
+    let (out, _) = good(&here, "conform a.toml --device interpreter --stage push,link --json r.json");
+    assert!(out.contains("2 comparisons, all conform"), "{out}");
+    assert!(crate::shell::read(&here, "r.json").contains("\"device\": \"interpreter\""));
+}
+
+#[test]
+fn what_takes_a_device_is_refused() {
+    let here = folder(&[("a.toml", BALL)]);
+    bad(&here, "conform a.toml --device interpreter --isolate", 2, &["--isolate", "a Vulkan device"]);
+    bad(&here, "conform a.toml --sanitize --dump x", 2, &["--dump"]);
+    bad(&here, "conform a.toml --sanitize --device 0", 2, &["--device"]);
+    bad(&here, "conform a.toml --sanitize --stage links", 2, &["--stage"]);
+    bad(&here, "conform a.toml --sanitize --stage relief", 1, &["nothing was watched"]);
+}

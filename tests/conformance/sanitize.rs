@@ -1,0 +1,248 @@
+//! `conform --sanitize`: each planted fault is found by its kind and its line of GLSL, and built-in kernels have none.
+
+use milkglass::internals::gpu::{Given as Constants, replacements, source};
+use milkglass::measure::fixtures::{EVERY_KERNEL, fixture};
+use milkglass::measure::interpret::stage::Interpreter;
+use milkglass::measure::interpret::{Finding, Kind, POISON};
+use milkglass::measure::interpreted::{Sanitized, conform_interpreted};
+use shaderc::OptimizationLevel;
+
+use super::interpreter::{Given, compiled, kernel, run};
+
+/// The line of a text that has these words, counted from 1.
+fn line(text: &str, words: &str) -> u32 {
+    let found = text.lines().position(|line| line.contains(words));
+    found.unwrap_or_else(|| panic!("{words} is not in\n{text}")) as u32 + 1
+}
+
+fn assert_found(findings: &[Finding], kind: Kind, (file, line): (&str, u32), name: &str) {
+    let fits =
+        |finding: &&Finding| finding.kind == kind && finding.site.file.ends_with(file) && finding.site.line == line;
+    assert!(findings.iter().any(|finding| fits(&finding)), "{name}: no {kind:?} at {file}:{line}: {findings:#?}");
+}
+
+/// Kernels with a fault in the line that says `here`: its kind, what comes before `main`, and the body.
+const FAULTS: &[(Kind, &str, &str)] = &[
+    (Kind::Race, "shared uint s[64];", "s[lane] = lane;\no[lane] = s[(lane + 1) % 64]; // here"),
+    (Kind::Race, "", "o[lane / 2] = lane; // here"),
+    (Kind::Race, "", "if (lane == 0) o[0] = gl_WorkGroupID.x; // here"),
+    // A barrier orders shared memory only.
+    (Kind::Race, "", "o[lane] = lane;\nbarrier();\nif (a > 0) o[lane + 64] = o[63 - lane]; // here"),
+    (
+        Kind::Race,
+        "",
+        "o[1 + lane] = 1;\nif (lane > 0 && atomicAdd(o[0], 1) == 62) {\nuint sum = 0;\n\
+         for (uint k = 1; k < 64; ++k) sum += o[1 + k]; // here\no[200] = sum; }",
+    ),
+    (
+        Kind::Race,
+        "shared uint s[2];",
+        "if (lane == 0) s[0] = 0;\nbarrier();\natomicAdd(s[0], 1);\nif (lane == 9) s[0] = 3; // here",
+    ),
+    (Kind::Bounds, "", "o[lane] = x[lane + 1]; // here"),
+    (Kind::Bounds, "", "o[lane + 250] = 1; // here"),
+    (Kind::Bounds, "shared uint s[64];", "s[lane + a] = 1; // here\nbarrier();\no[lane] = s[63];"),
+    (Kind::Bounds, "", "uint p[4] = uint[4](0, 0, 0, 0);\np[(lane + a) % 5] = lane; // here\no[lane] = p[b];"),
+    (Kind::Undefined, "", "uint v;\nif (a > 100) v = 1;\nif (v == lane) // here\no[lane] = 1;"),
+    (Kind::Undefined, "shared uint s[64];", "if (lane < 63) s[lane] = 1;\nbarrier();\no[lane] = s[lane]; // here"),
+    (Kind::Undefined, "", "o[lane] = 2 * x[lane]; // here"),
+    (Kind::Divergence, "", "if (lane < 32)\nbarrier(); // here"),
+    (Kind::Divergence, "", "if (lane == a) return;\nbarrier(); // here\no[lane] = 1;"),
+    (
+        Kind::Divergence,
+        "",
+        "if (lane % 2 == 0) {\nuint v = subgroupShuffle(lane, gl_SubgroupInvocationID + 1); // here\no[lane] = v; }",
+    ),
+    (Kind::Divergence, "", "if (lane % 2 == 0) {\nbool v = subgroupAll(lane < b); // here\no[lane] = uint(v); }"),
+];
+
+/// What the kernels read: 1, 2, ..., and a word that nothing has written.
+fn given() -> Given<'static> {
+    let mut words: Vec<u32> = (1..=64).collect();
+    words[40] = POISON;
+    Given { buffers: vec![words, vec![0; 300]], groups: [2, 1, 1], ..Given::default() }
+}
+
+#[test]
+fn planted_faults_are_found_by_kind_and_line() {
+    for (kind, before, body) in FAULTS {
+        let text = kernel(before, body);
+        for level in [OptimizationLevel::Zero, OptimizationLevel::Performance] {
+            let (_, findings) = run(&compiled(&text, level), &given(), true);
+            assert_found(&findings, *kind, ("own.comp", line(&text, "here")), body);
+            let invocations = findings.iter().all(|finding| finding.what.contains("invocation"));
+            assert!(invocations, "{findings:#?}");
+        }
+    }
+}
+
+/// The same kernels without their fault.
+#[test]
+fn what_is_ordered_is_no_fault() {
+    for (before, body) in [
+        ("shared uint s[64];", "s[lane] = lane;\nbarrier();\no[64 * gl_WorkGroupID.x + lane] = s[(lane + 1) % 64];"),
+        (
+            "",
+            "uint at = 128 * gl_WorkGroupID.x;\no[at + lane] = lane;\nmemoryBarrierBuffer();\nbarrier();\n\
+             o[at + lane + 64] = o[at + 63 - lane];",
+        ),
+        (
+            "",
+            "if (gl_WorkGroupID.x > 0) return;\no[1 + lane] = 1;\nmemoryBarrierBuffer();\n\
+             if (lane > 0 && atomicAdd(o[0], 1) == 62) {\nmemoryBarrierBuffer();\nuint sum = 0;\n\
+             for (uint k = 1; k < 64; ++k) sum += o[1 + k];\no[200] = sum; }",
+        ),
+        // A value that does not matter.
+        ("", "uint v = x[lane];\nif (lane < 40) o[64 * gl_WorkGroupID.x + lane] = v;"),
+        (
+            "",
+            "atomicMax(o[0], lane);\nif (lane % 2 == 0) o[1 + lane + 64 * gl_WorkGroupID.x] = subgroupShuffle(lane, gl_SubgroupInvocationID ^ 2);",
+        ),
+    ] {
+        let (_, findings) = run(&compiled(&kernel(before, body), OptimizationLevel::Performance), &given(), true);
+        assert!(findings.is_empty(), "{body}\n{findings:#?}");
+    }
+}
+
+/// Faults in parts of built-in kernels: the file, the stage, what replaces what, the kind, and words of the line.
+type Planted = (&'static str, &'static str, [&'static str; 2], Kind, &'static str);
+
+const PLANTED: &[Planted] = &[
+    (
+        "geometry/shaft.glsl",
+        "shadow",
+        ["        exchange_in_subgroup();\n        for", "        for"],
+        Kind::Race,
+        "pool[meet ? place",
+    ),
+    (
+        "geometry/shaft.glsl",
+        "shadow",
+        ["        exchange_in_subgroup();\n    }", "    }"],
+        Kind::Race,
+        "uint node = top",
+    ),
+    (
+        "geometry/shaft.glsl",
+        "shadow",
+        ["top = WIDE * way.tops;", "pool[self.stack] = WIDE * way.tops;"],
+        Kind::Race,
+        "pool[self.stack] =",
+    ),
+    ("scan.glsl", "link", ["sums[self] = own;\n    barrier();", "sums[self] = own;"], Kind::Race, "SUM other"),
+    ("scan.glsl", "link", ["sums[self - step] :", "sums[self - step - 1] :"], Kind::Bounds, "SUM other"),
+    (
+        "transport/blocks/gather/direct",
+        "gather",
+        ["            barrier();\n            for", "            for"],
+        Kind::Race,
+        "all += sums[",
+    ),
+    (
+        "transport/blocks/gather/direct",
+        "gather",
+        ["BLOCK_RECEIVERS + slot] = sum;", "BLOCK_RECEIVERS + slot + 1] = sum;"],
+        Kind::Bounds,
+        "+ slot + 1] = sum;",
+    ),
+    (
+        "transport/blocks/gather/direct",
+        "gather",
+        ["vec3 all = vec3(0),", "vec3 all,"],
+        Kind::Undefined,
+        "received[self.face] = only_group",
+    ),
+    (
+        "transport/blocks/push",
+        "push",
+        ["max(sum, vec3(0)),", "max(sum, vec3(0)) / (sum - sum),"],
+        Kind::NotFinite,
+        "radiosity[self.face] =",
+    ),
+    (
+        "transport/blocks/push",
+        "push",
+        ["radiosity[self.face] =", "radiosity[self.face + 1] ="],
+        Kind::Bounds,
+        "radiosity[self.face + 1] =",
+    ),
+];
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn faults_planted_in_built_in_kernels_are_found_by_kind_and_line() {
+    let [strip, sphere] = ["strip of 33 triangles (65 nodes)", "stiff sphere"].map(|name| fixture(name).unwrap());
+    let here = tempfile::tempdir().unwrap();
+    for (name, stage, [from, to], kind, words) in PLANTED {
+        let text = source(name).unwrap();
+        assert!(text.contains(from), "{name} lacks {from}");
+        let text = text.replacen(from, to, 1);
+        let file = here.path().join("own.glsl");
+        std::fs::write(&file, &text).unwrap();
+        let interpreter = Interpreter::new(replacements(name, &file, &Constants::default()).unwrap());
+        let mut all = Sanitized::default();
+        // Lists of a shaft go on in a second round where it meets many triangles.
+        let fixture = if name.contains("shaft") { &sphere } else { &strip };
+        all.add(&interpreter, fixture, &[(*stage).to_string()]).unwrap();
+        let findings: Vec<Finding> = all.findings.into_iter().map(|(finding, _)| finding).collect();
+        assert_found(&findings, *kind, ("own.glsl", line(&text, words)), &format!("{name}, {to}"));
+        assert!(findings.iter().all(|finding| finding.kernel.contains(stage)), "{findings:#?}");
+    }
+}
+
+/// Runs all stages of these fixtures; nothing may be wrong.
+fn is_sound(names: &[&str]) {
+    let (interpreter, mut all) = (Interpreter::default(), Sanitized::default());
+    for name in names {
+        let found = all.add(&interpreter, &fixture(name).unwrap(), &[]).unwrap();
+        assert!(found.is_empty(), "{name}: {found:#?}");
+    }
+    assert!(all.dispatches > 5 * names.len() && all.executed > 1_000_000);
+}
+
+#[test]
+fn built_in_kernels_have_no_fault_on_a_sliver() {
+    is_sound(&["sliver"]);
+}
+
+/// Of the fixtures that run every kernel, those that take more than ten seconds.
+const LONG: &[&str] = &[
+    "diffusion in two objects, the dipole in a third",
+    "sphere, brute force",
+    "three objects, receivers at pixels",
+    "three objects, two of them with joints",
+    "walk through clear and dark media",
+];
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn built_in_kernels_have_no_fault() {
+    assert!(LONG.iter().all(|name| EVERY_KERNEL.contains(name)));
+    let short: Vec<&str> = EVERY_KERNEL.iter().copied().filter(|name| !LONG.contains(name)).collect();
+    is_sound(&short);
+}
+
+mod rare {
+    #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+    fn built_in_kernels_have_no_fault_in_long_runs() {
+        super::is_sound(super::LONG);
+    }
+}
+
+#[test]
+fn the_interpreter_conforms_bit_for_bit_where_stages_are_exact() {
+    let mut rows = Vec::new();
+    let fixture = fixture("sliver").unwrap();
+    conform_interpreted(&Interpreter::default(), &fixture, &[], &mut |event| {
+        if let milkglass::measure::conform::Event::Ends(row) = event {
+            rows.push(row.clone());
+        }
+    })
+    .unwrap();
+    let wrong: Vec<&String> = rows.iter().flat_map(|row| &row.faults).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    // Lists of links are decisions, which have one result.
+    let link = rows.iter().find(|row| row.stage == "link").unwrap();
+    assert!(link.words > 1000 && link.ulp == 0, "{link:?}");
+}
