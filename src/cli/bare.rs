@@ -18,6 +18,10 @@ pub struct BareArguments {
     /// Samples per pixel, 1 to 64 [default: the scene's; for a mesh alone 8].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: Option<u32>,
+    /// What is shown where no object is: `none` for a transparent picture, `environment`, or a linear radiance `[r,g,b]`
+    /// [default: the scene's].
+    #[arg(long, value_name = "NONE|...")]
+    background: Option<String>,
     /// A mesh alone: the axis that points upwards [default: guessed from its shape].
     #[arg(long, value_enum)]
     up: Option<Up>,
@@ -60,6 +64,7 @@ impl BareArguments {
             value("--preset", self.preset.clone()),
             value("--size-mm", self.size_mm.map(|size| format!("{size:?}"))),
             value("--samples", self.samples.map(|samples| samples.to_string())),
+            value("--background", self.background.clone()),
             value("--up", self.up.map(|up| if matches!(up, Up::Y) { "y" } else { "z" }.to_string())),
             value("--view-from", self.view_from.map(|view| format!("{:?},{:?}", view.azimuth, view.elevation))),
             self.ground.then(|| "--ground".to_string()),
@@ -81,6 +86,7 @@ impl BareArguments {
             environment: self.environment.clone(),
         };
         finite(scenes.frame)?;
+        scenes.sets.extend(self.background.iter().map(|background| format!("camera.background={background}")));
         super::paths::announce_pipe(std::path::Path::new(&scenes.scene));
         let studio = Studio::around(&scenes.scene, &scenes.sets(), scenes.frame, &scenes.memory.files(), wishes)?;
         match &studio {

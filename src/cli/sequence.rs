@@ -19,7 +19,6 @@ use milkglass::internals::prepare::shape::turned;
 use milkglass::internals::session::aov::layers;
 use milkglass::internals::session::run::Session;
 use milkglass::internals::view::aov::save;
-use milkglass::internals::view::picture::{is_png, save_png};
 use milkglass::scene::{numbered as numbered_text, path_of_text, text_of_path};
 
 /// Most frames in one call.
@@ -151,11 +150,7 @@ pub fn shoot(session: &mut Session, aov: bool, output: &Path, mut samples: Sampl
     let times = session.sample_telling(&mut |done, all, steps| samples.tell(done, all, steps))?;
     phase("writing the picture", || match layers {
         Some(layers) => save(&session.picture()?, &layers, output),
-        None if is_png(output) => {
-            let size = session.scene().camera.size.map(|n| n as usize);
-            save_png(output, size, &session.shown()?)
-        }
-        None => session.picture()?.save(output),
+        None => session.save(output),
     })?;
     Ok(times)
 }

@@ -60,6 +60,8 @@ pub struct Camera {
     pub background: [f64; 3],
     /// Whether the environment is shown where no object is seen, instead of `background`.
     pub environment: bool,
+    /// Whether pictures are transparent where no object is seen; `background` is black then.
+    pub transparent: bool,
 }
 
 /// The minimum angle of a pixel, radian: four times the resolution of `f32`.
@@ -140,13 +142,14 @@ impl Framing {
             metered: file.exposure == Some(Exposure::Auto),
             tone: file.tone,
             background: match file.background {
-                Background::Environment => [0.0; 3],
+                Background::Environment | Background::None => [0.0; 3],
                 Background::Color(color) => {
                     let accept = |x| (0.0..=1e20).contains(&x);
                     range::channels("camera.background", color, accept, "numbers from 0 to 1e20")?
                 }
             },
             environment: file.background == Background::Environment,
+            transparent: file.background == Background::None,
         };
         rest.wide_enough()?;
         Ok(Self { position, target, rest })
@@ -158,7 +161,7 @@ impl Framing {
             return Ok(());
         }
         let fault = Input::new("no light is an environment").key("camera.background").found("\"environment\"");
-        Err(fault.expected("a number or [r, g, b], or a [[light]] of type \"environment\""))
+        Err(fault.expected("a number, [r, g, b] or \"none\", or a [[light]] of type \"environment\""))
     }
 
     /// The camera, with a missing position or target fitted to the box `low..high`.

@@ -5,6 +5,7 @@ use super::frame_parts::FrameParts;
 use super::run::Session;
 use crate::error::Result;
 use crate::gpu::Timing;
+use crate::layout::{BufferId, Hit, NONE};
 use crate::pipeline::plan::Change;
 use crate::view::picture::Picture;
 
@@ -52,6 +53,32 @@ impl Session {
         let mut frame = self.begin_as_it_is(Change::VIEW)?;
         frame.last_sample = k + 1 == samples;
         Ok(frame)
+    }
+
+    /// Counts which pixels of the sample that is done show an object, where pictures have a transparent background.
+    pub(super) fn cover(&mut self) -> Result<()> {
+        let several = self.scene().camera.transparent && self.scene().camera.samples > 1;
+        let Some(sample) = self.state().data.camera.first().filter(|_| several).map(|camera| camera.sample_number)
+        else {
+            return Ok(());
+        };
+        self.fetch(&[BufferId::hits])?;
+        let hits = &self.prepared.state.data.hits;
+        if sample == 0 {
+            self.coverage = vec![0; hits.len()];
+        }
+        let shows = |hit: &Hit| u8::from(hit.face != NONE);
+        self.coverage.iter_mut().zip(hits).for_each(|(count, hit)| *count += shows(hit));
+        Ok(())
+    }
+
+    /// The share of each pixel that shows an object; none unless the picture has a transparent background.
+    pub(super) fn alpha(&self) -> Option<Vec<f32>> {
+        let (camera, hits) = (&self.scene().camera, &self.state().data.hits);
+        camera.transparent.then(|| match self.sampled {
+            true => self.coverage.iter().map(|&count| f32::from(count) / camera.samples as f32).collect(),
+            false => hits.iter().map(|hit| f32::from(u8::from(hit.face != NONE))).collect(),
+        })
     }
 }
 

@@ -96,6 +96,7 @@ impl Session {
             None => {
                 self.pending = Changes::default();
                 self.failed = false;
+                self.cover()?;
                 if frame.last_sample {
                     (self.sampled, self.shifted) = (true, true);
                 }

@@ -86,6 +86,7 @@ impl Session {
             parts,
             not_kept: None,
             sampled: false,
+            coverage: Vec::new(),
             held,
             shifted: false,
             failed: false,

@@ -211,6 +211,71 @@ fn the_environment_stands_behind_the_object() {
 }
 
 #[test]
+fn a_transparent_picture_before_any_background_is_the_picture_with_it() {
+    for samples in ["camera.samples=1", "camera.samples=5"] {
+        let render = |background: &str| {
+            let mut session = session(&[samples, &format!("camera.background={background}")]);
+            picture(&mut session).unwrap()
+        };
+        let (clear, black, green) = (render("none"), render("0"), render("[0, 2, 0]"));
+        let alpha = clear.alpha.unwrap();
+        assert!(black.alpha.is_none() && clear.pixels == black.pixels);
+        assert_eq!((alpha[0], alpha[20 * 48 + 24]), (0.0, 1.0));
+        let edges = alpha.iter().filter(|&&a| a > 0.0 && a < 1.0).count();
+        assert_eq!(edges > 40, samples.ends_with('5'), "{edges} pixels at the edge");
+        for ((clear, alpha), green) in clear.pixels.iter().zip(alpha).zip(&green.pixels) {
+            let composed = clear[1] + (1.0 - alpha) * 2.0;
+            assert!((composed - green[1]).abs() < 1e-5 && clear[0] == green[0], "{clear:?} {alpha} {green:?}");
+        }
+    }
+}
+
+/// The pixels of an EXR file that has alpha.
+fn rgba(path: &std::path::Path) -> Vec<[f32; 4]> {
+    let make = |size: exr::prelude::Vec2<usize>, _: &_| vec![vec![[0.0; 4]; size.width()]; size.height()];
+    let set = |rows: &mut Vec<Vec<[f32; 4]>>, at: exr::prelude::Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
+        rows[at.y()][at.x()] = [r, g, b, a];
+    };
+    let image = exr::prelude::read_first_rgba_layer_from_file(path, make, set).unwrap();
+    image.layer_data.channel_data.pixels.concat()
+}
+
+#[test]
+fn a_png_has_straight_alpha_and_an_exr_premultiplied() {
+    let here = folder(&[("odd.toml", "[camera]\n\nbackground = 'nothing'\n")]);
+    let ball = "render sphere --set object.0.detail=2 --device cpu --size 24x20 --samples 4";
+    for end in ["png", "exr"] {
+        good(&here, &format!("{ball} --background none -o a.{end}"));
+    }
+    good(&here, &format!("{ball} --background none --aov -o layers.exr"));
+    good(&here, &format!("{} --background none -o device.png", ball.replace("--device cpu ", "")));
+    let png = image::open(here.path().join("a.png")).unwrap();
+    assert_eq!(png.color(), image::ColorType::Rgba8);
+    let png = png.into_rgba8();
+    let exr = rgba(&here.path().join("a.exr"));
+    let mut edges = 0;
+    for (shown, linear) in png.pixels().zip(exr) {
+        let alpha = linear[3];
+        assert_eq!(shown.0[3], (alpha * 255.0 + 0.5) as u8);
+        edges += u32::from(alpha > 0.0 && alpha < 1.0);
+        for c in 0..3 {
+            let straight = if alpha > 0.0 { linear[c] / alpha } else { 0.0 };
+            let wanted = (255.0 * milkglass::internals::view::picture::encode(straight.into()) + 0.5) as u8;
+            assert!(shown.0[c].abs_diff(wanted) <= 1, "{shown:?} {linear:?}");
+        }
+    }
+    assert!(edges > 15 && png.get_pixel(0, 0).0 == [0; 4] && png.get_pixel(12, 10).0[3] == 255, "{edges}");
+    let device = image::open(here.path().join("device.png")).unwrap().into_rgba8();
+    assert!(device.pixels().zip(png.pixels()).all(|(a, b)| a.0[3] == b.0[3]), "a device covers other pixels");
+    let layers = exr::prelude::read_all_flat_layers_from_file(here.path().join("layers.exr")).unwrap();
+    let first = &layers.layer_data[0];
+    let names: Vec<String> = first.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
+    assert_eq!(names, ["A", "B", "G", "R"]);
+    bad(&here, "render odd.toml -o b.png", 2, &["odd.toml:3: ", "\"environment\" or \"none\""]);
+    bad(&here, &format!("{ball} --background clear -o b.png"), 2, &["camera.background=clear", "found string"]);
+}
+
+#[test]
 fn a_filmic_picture_keeps_its_highlights_and_exr_stays_linear() {
     let here = folder(&[]);
     for tone in ["clip", "filmic"] {
@@ -240,7 +305,7 @@ fn bad_looks_are_named() {
         ),
         ("object.0.material.normalize_exit=3", &["invalid type", "found integer `3`", "expected"]),
         ("camera.background=environment", &["camera.background: no light is an environment", "[[light]] of type"]),
-        ("camera.background=sky", &["found string \"sky\"", "a number, [r, g, b] or \"environment\""]),
+        ("camera.background=sky", &["found string \"sky\"", "a number, [r, g, b], \"environment\" or \"none\""]),
         ("camera.tone=flimic", &["unknown value, did you mean `filmic`?", "found flimic", "expected clip, filmic"]),
         ("camera.background=[1,2]", &["invalid length 2"]),
         ("camera.background=-1", &["camera.background: out of range; found [-1, -1, -1]"]),
