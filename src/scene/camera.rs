@@ -5,7 +5,7 @@ use super::light::{Light, Source};
 use super::range::{self, Checked};
 use super::vector::{Background, Exposure, Vector};
 use crate::error::{Input, Result};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use serde::Deserialize;
 use std::ops::Range;
 
@@ -88,6 +88,14 @@ impl Camera {
         let (_, _, forward) = self.basis();
         let target = (low + high) / 2.0;
         Self { position: target - forward * distance(self, target, forward, low, high), target, ..self.clone() }
+    }
+
+    /// The same camera, turned by `degrees` about the axis through `middle` that points upwards.
+    #[must_use]
+    pub fn turned(&self, middle: DVec3, degrees: f64) -> Self {
+        let turn = DQuat::from_axis_angle(self.up, degrees.to_radians());
+        let [position, target] = [self.position, self.target].map(|place| middle + turn * (place - middle));
+        Self { position, target, ..self.clone() }
     }
 
     /// Checks the angle of a pixel: rays and positions are `f32`, and those of neighbours must differ by more than
@@ -266,6 +274,16 @@ mod tests {
             assert!(again.basis().2.distance(forward) < 1e-12 && again.target == DVec3::Y, "{text}");
             assert!(text.contains("target") || again.position.distance(camera.position) < 1e-9, "{text}");
         }
+    }
+
+    #[test]
+    fn a_turned_camera_goes_round_the_middle() {
+        let camera = fitted("position = [1, 5, 4]\ntarget = [1, 1, 0]").expect("a camera");
+        let middle = DVec3::new(1.0, 2.0, 1.0);
+        let quarter = camera.turned(middle, 90.0);
+        assert!(quarter.position.distance(DVec3::new(4.0, 5.0, 1.0)) < 1e-12, "{}", quarter.position);
+        assert!(quarter.target.distance(DVec3::new(0.0, 1.0, 1.0)) < 1e-12, "{}", quarter.target);
+        assert!(camera.turned(middle, 360.0).position.distance(camera.position) < 1e-12);
     }
 
     #[test]

@@ -91,8 +91,10 @@ pub(super) struct MaterialFile {
 pub(super) struct Draft {
     /// Millimetres per scene unit.
     pub unit_mm: f64,
-    /// The animation to play, and its frames per second.
-    pub animation: Option<(String, f64)>,
+    /// The name of the animation to play.
+    pub animation: Option<String>,
+    /// Frames per second of animation and films.
+    pub fps: f64,
     /// The camera, not fitted to the objects yet.
     pub framing: Framing,
     /// The lights, in the file's order.
@@ -123,7 +125,8 @@ impl SceneFile {
         framing.check_background(&lights)?;
         Ok(Draft {
             unit_mm,
-            animation: Play::check(self.animation.as_ref(), self.fps)?,
+            animation: self.animation.clone(),
+            fps: Play::fps(self.fps)?,
             framing,
             lights,
             objects: object::check_all(&self.object, unit_mm)?,

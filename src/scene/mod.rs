@@ -91,6 +91,8 @@ pub struct Scene {
     pub transport: Transport,
     /// The first and the last frame of keyframes and animation; none where nothing has them.
     pub frames: Option<[f64; 2]>,
+    /// Frames per second of the animation and of a GIF, 0.001 to 1e6.
+    pub fps: f64,
     /// Repairs and warnings for the user, one per entry.
     pub report: Vec<String>,
     /// The memory limit, and the memory taken so far.
@@ -200,7 +202,7 @@ impl Scene {
             read::place(fault, &text.toml, &text.file, sets)
         })?;
         let mut frames = draft.frames;
-        let mut play = draft.animation.map(|animation| Play::at(animation, frame));
+        let mut play = draft.animation.map(|name| Play::at(name, draft.fps, frame));
         let mut objects = Vec::with_capacity(draft.objects.len());
         for (index, mut object) in draft.objects.into_iter().enumerate() {
             let mut notes = Vec::new();
@@ -251,6 +253,7 @@ impl Scene {
             objects,
             transport: Transport { divided: draft.transport.receivers == Receivers::Faces, ..draft.transport },
             frames,
+            fps: draft.fps,
             report,
             memory: files.memory(),
         })

@@ -25,8 +25,8 @@ pub struct Picture {
     pub height: usize,
     /// Linear radiance, row by row from the top.
     pub pixels: Vec<[f32; 3]>,
-    /// The share of each pixel that shows an object, 0 to 1, which its radiance is multiplied by already; none where the
-    /// picture is opaque.
+    /// The share of each pixel that shows an object, 0 to 1, which its radiance is multiplied by already; none where
+    /// the picture is opaque.
     pub alpha: Option<Vec<f32>>,
     /// Factor on radiance before the tone curve of a PNG, above 0.
     pub exposure: f64,
@@ -172,7 +172,7 @@ fn kind(path: &Path) -> Result<Kind> {
         other => Err(Input::new("a picture's name says its format")
             .key("-o")
             .found(other.map_or_else(|| "no ending".to_string(), |e| format!(".{e}")))
-            .expected(".png or .exr")
+            .expected(".png or .exr; .gif with --frames or --turntable")
             .into()),
     }
 }
