@@ -35,10 +35,10 @@ pub enum Tone {
     Filmic,
 }
 
-/// A validated pinhole camera.
+/// A validated camera: a pinhole, or a thin lens.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// The pinhole, in scene units; never equal to `target`.
+    /// The pinhole or the middle of the lens, in scene units; never equal to `target`.
     pub position: DVec3,
     /// The point in the middle of the picture, in scene units.
     pub target: DVec3,
@@ -46,6 +46,10 @@ pub struct Camera {
     pub up: DVec3,
     /// Vertical field of view in degrees, between 0 and 180.
     pub fov: f64,
+    /// Diameter of the lens in scene units, 0 to 1e9: 0 is a pinhole. A picture of one sample is that of a pinhole.
+    pub aperture: f64,
+    /// Distance along the view of what the lens shows sharp, in scene units, above 0; none: that of `target`.
+    pub focus: Option<f64>,
     /// Width and height in pixels, each 1 to 16384.
     pub size: [u32; 2],
     /// Samples of a pixel, which shows their mean, 1 to 64.
@@ -72,6 +76,11 @@ impl Camera {
     /// the axis least aligned with the view replaces it.
     pub fn basis(&self) -> (DVec3, DVec3, DVec3) {
         frame((self.target - self.position).normalize_or(DVec3::NEG_Z), self.up)
+    }
+
+    /// Distance along the view of what is sharp, in scene units.
+    pub fn focus(&self) -> f64 {
+        self.focus.unwrap_or_else(|| self.position.distance(self.target))
     }
 
     /// The same camera with another picture size; an error if its pixels are too narrow for `f32`.
@@ -133,7 +142,12 @@ impl Framing {
             let inside = |x| range.start < x && x < range.end;
             range::number(&format!("camera.{key}"), given.unwrap_or(usual), inside, expected)
         };
+        let positive = |x: f64| 0.0 < x && x <= range::LARGEST;
+        let focus = file.focus.map(|focus| range::number("camera.focus", focus, positive, "above 0, to 1e9"));
+        let lens = |x: f64| (0.0..=range::LARGEST).contains(&x);
         let rest = Camera {
+            aperture: range::number("camera.aperture", file.aperture.unwrap_or(0.0), lens, "0 to 1e9")?,
+            focus: focus.transpose()?,
             position: DVec3::ZERO,
             target: DVec3::ZERO,
             up: file.up.map_or(Ok(DVec3::Y), |up| range::direction("camera.up", up.0))?,
@@ -303,6 +317,8 @@ mod tests {
     #[test]
     fn names_the_key_at_fault() {
         let cases = [
+            ("aperture = -1", "camera.aperture: out of range; found -1; expected 0 to 1e9"),
+            ("focus = 0", "camera.focus: out of range; found 0; expected above 0, to 1e9"),
             ("fov = 180", "camera.fov: out of range; found 180; expected degrees, above 0"),
             ("size = [0, 512]", "camera.size: not a picture size; found [0, 512]; expected [width"),
             ("size = [5]", "camera.size: not a picture size; found [5]"),

@@ -51,6 +51,8 @@ pub(super) struct CameraFile {
     pub target: Option<Vector>,
     pub up: Option<Vector>,
     pub fov: Option<f64>,
+    pub aperture: Option<f64>,
+    pub focus: Option<f64>,
     pub size: Option<Vec<i64>>,
     pub samples: Option<u32>,
     pub exposure: Option<Exposure>,

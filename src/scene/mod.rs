@@ -240,6 +240,10 @@ impl Scene {
                 report.push(format!("light {index} lights nothing: {why}"));
             }
         }
+        if camera.aperture > 0.0 && camera.samples == 1 {
+            report
+                .push("camera.aperture blurs nothing: the picture has one sample a pixel (camera.samples)".to_owned());
+        }
         if lights.is_empty() {
             report.push("dark: the scene has no [[light]]".to_owned());
         }

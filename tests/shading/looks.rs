@@ -230,6 +230,47 @@ fn a_transparent_picture_before_any_background_is_the_picture_with_it() {
     }
 }
 
+/// The share of each pixel of the middle row that shows a plane which faces the camera at this distance and ends in the
+/// middle of the picture.
+fn edge(distance: f64, lens: &str) -> Vec<f32> {
+    let sets = [
+        "object.0={ shape = 'plane', detail = 1, size = 40, rotation = [90, 0, 0], position = [20, 0, 0], \
+         material = { opaque = true } }"
+            .to_string(),
+        format!(
+            "camera={{ position = [0, 0, {distance}], target = [0, 0, 0], fov = 8, size = [64, 8], samples = 64, background = 'none', {lens} }}"
+        ),
+    ];
+    let mut session = Session::new(&Scene::load_with("sphere", &sets).unwrap(), None, Options::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let alpha = picture(&mut session).unwrap().alpha.unwrap();
+    alpha[4 * 64..5 * 64].to_vec()
+}
+
+#[test]
+fn a_lens_blurs_by_its_circle_of_confusion() {
+    let sharp = edge(20.0, "aperture = 0");
+    assert!(sharp[..32].iter().all(|&a| a == 0.0) && sharp[32..].iter().all(|&a| a == 1.0), "{sharp:?}");
+    // What is in focus stays sharp and where it is, by default the target.
+    for lens in ["aperture = 5", "aperture = 5, focus = 20"] {
+        assert_eq!(edge(20.0, lens), sharp, "{lens}");
+    }
+    // Behind and before what is in focus: pixels within the circle are covered by its segment.
+    for focus in [10.0, 40.0_f64] {
+        let blurred = edge(20.0, &format!("aperture = 5, focus = {focus}"));
+        let pixels_at = 8.0 / (2.0 * 20.0 * 4f64.to_radians().tan());
+        let radius = 0.5 * 5.0 * (20.0 - focus).abs() / focus * pixels_at;
+        for (column, alpha) in blurred.iter().enumerate() {
+            let x = ((column as f64 - 31.5) / radius).clamp(-1.0, 1.0);
+            let covered = 0.5 + (x * (1.0 - x * x).sqrt() + x.asin()) / PI;
+            // 64 samples, and half a pixel where the slope is steepest.
+            let slack = 0.05 + 1.0 / (PI * radius);
+            assert!((f64::from(*alpha) - covered).abs() < slack, "{focus}: {column} {alpha} {covered}");
+        }
+        assert!(blurred.iter().filter(|&&a| a > 0.0 && a < 1.0).count() as f64 > 2.0 * radius - 2.0);
+    }
+}
+
 /// The pixels of an EXR file that has alpha.
 fn rgba(path: &std::path::Path) -> Vec<[f32; 4]> {
     let make = |size: exr::prelude::Vec2<usize>, _: &_| vec![vec![[0.0; 4]; size.width()]; size.height()];
