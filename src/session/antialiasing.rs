@@ -19,8 +19,8 @@ pub fn place(k: u32, count: u32) -> [f64; 2] {
     [(f64::from(k) + 0.5) / f64::from(count) - 0.5, (0.5 + f64::from(k) * golden).fract() - 0.5]
 }
 
-/// Point of the lens for sample `k` of `count`, in radii from its middle: sunflower seeds, each with an equal part of the
-/// area.
+/// Point of the lens for sample `k` of `count`, in radii from its middle: sunflower seeds, each with an equal part of
+/// the area.
 #[must_use]
 pub fn lens(k: u32, count: u32) -> [f64; 2] {
     let radius = ((f64::from(k) + 0.5) / f64::from(count)).sqrt();
