@@ -50,6 +50,10 @@ records! { frame_records:
         reflection: u32,
         /// The lobe's exponent, or alpha of the microfacets.
         roughness: f32,
+        /// Alpha of the microfacets of the second lobe.
+        second_roughness: f32,
+        /// Share of the second lobe, 0 to 1: 0 where there is one lobe.
+        second_share: f32,
         /// Where light is multiplied by the texture: bits `TEXTURE_`.
         texture_side: u32,
         /// How the texture continues beyond its left and right edges, and beyond its lower and upper ones: a `WRAP_`
@@ -137,7 +141,7 @@ records! { frame_records:
         /// Wide nodes at the top: of several objects those that have their roots as children, of one its own root.
         wide_tops: u32,
         /// Unused.
-        padding: [u32; 5],
+        padding: [u32; 3],
         /// Unused.
         last_padding: u32,
         /// Joints that each of its vertices follows; 0 if it follows none.

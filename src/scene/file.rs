@@ -78,6 +78,8 @@ pub(super) struct MaterialFile {
     pub normalize_exit: bool,
     pub reflection: ReflectionKind,
     pub roughness: Option<f64>,
+    pub second_roughness: Option<f64>,
+    pub second_share: Option<f64>,
     pub shininess: Option<i64>,
     pub sigma_0: Option<Rgb>,
     pub sigma_0_texture: Option<String>,

@@ -230,6 +230,25 @@ fn a_transparent_picture_before_any_background_is_the_picture_with_it() {
     }
 }
 
+#[test]
+fn a_reflection_in_two_lobes_is_the_mean_of_both() {
+    let pixels = |lobes: &str| {
+        let look = format!("object.0.material={{ preset = 'skin1', reflection = 'ggx', {lobes} }}");
+        session(&["light.0.direction=[0.2, 0.6, 1]", &look]).picture().unwrap().pixels
+    };
+    let both = pixels("roughness = 0.45, second_roughness = 0.25, second_share = 0.3");
+    let (wide, narrow) = (pixels("roughness = 0.45"), pixels("roughness = 0.25"));
+    let mut apart = 0;
+    for ((both, wide), narrow) in both.iter().zip(&wide).zip(&narrow) {
+        let mean = 0.7 * wide[1] + 0.3 * narrow[1];
+        assert!((both[1] - mean).abs() < 1e-5 * mean.max(1.0), "{both:?} {wide:?} {narrow:?}");
+        apart += u32::from((wide[1] - narrow[1]).abs() > 0.01 * mean);
+    }
+    assert!(apart > 100, "the lobes look alike at all but {apart} pixels");
+    let half = pixels("roughness = 0.45, second_roughness = 0.25");
+    assert!(half == pixels("roughness = 0.45, second_roughness = 0.25, second_share = 0.5") && half != both);
+}
+
 /// The share of each pixel of the middle row that shows a plane which faces the camera at this distance and ends in the
 /// middle of the picture.
 fn edge(distance: f64, lens: &str) -> Vec<f32> {
@@ -343,6 +362,19 @@ fn bad_looks_are_named() {
         (
             "object.0.material={preset='apple',reflection='phong',shininess=1001}",
             &["shininess", "found 1001", "a whole number from 1 to 1000"],
+        ),
+        ("object.0.material.second_roughness=0.3", &["second_roughness", "found reflection = \"none\"", "\"ggx\""]),
+        (
+            "object.0.material={preset='skin1',reflection='ggx',second_share=0.3}",
+            &["material.second_share: the share of a lobe that is missing", "found 0.3", "second_roughness beside it"],
+        ),
+        (
+            "object.0.material={preset='skin1',reflection='ggx',second_roughness=2}",
+            &["material.second_roughness: out of range", "found 2", "0.001 to 1"],
+        ),
+        (
+            "object.0.material={preset='skin1',reflection='ggx',second_roughness=0.2,second_share=1.5}",
+            &["material.second_share: out of range", "found 1.5", "expected 0 to 1"],
         ),
         ("object.0.material.normalize_exit=3", &["invalid type", "found integer `3`", "expected"]),
         ("camera.background=environment", &["camera.background: no light is an environment", "[[light]] of type"]),
