@@ -235,18 +235,7 @@ impl Scene {
             let loaded = loaded.and_then(|()| light.check_outside(&objects, index));
             loaded.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
         }
-        for (index, light) in lights.iter().enumerate() {
-            if let Some(why) = light.misses(&objects) {
-                report.push(format!("light {index} lights nothing: {why}"));
-            }
-        }
-        if camera.aperture > 0.0 && camera.samples == 1 {
-            report
-                .push("camera.aperture blurs nothing: the picture has one sample a pixel (camera.samples)".to_owned());
-        }
-        if lights.is_empty() {
-            report.push("dark: the scene has no [[light]]".to_owned());
-        }
+        report.extend(without_effect(&camera, &lights, &objects));
         let origin = Arc::new(Origin { toml: text.toml, file: text.file, folder: text.folder, sets: sets.to_vec() });
         Ok(Self {
             origin,
@@ -275,6 +264,20 @@ impl Scene {
         let mut all = self.lights.iter().enumerate();
         all.try_for_each(|(index, light)| light.check_outside(&self.objects, index)).map_err(Into::into)
     }
+}
+
+/// Lines about what has no effect on the picture.
+fn without_effect(camera: &Camera, lights: &[Light], objects: &[Object]) -> Vec<String> {
+    let misses =
+        |(index, light): (usize, &Light)| Some(format!("light {index} lights nothing: {}", light.misses(objects)?));
+    let mut lines: Vec<String> = lights.iter().enumerate().filter_map(misses).collect();
+    if camera.aperture > 0.0 && camera.samples == 1 {
+        lines.push("camera.aperture blurs nothing: the picture has one sample a pixel (camera.samples)".to_owned());
+    }
+    if lights.is_empty() {
+        lines.push("dark: the scene has no [[light]]".to_owned());
+    }
+    lines
 }
 
 fn bounds(objects: &[Object]) -> (DVec3, DVec3) {
