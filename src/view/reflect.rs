@@ -3,9 +3,9 @@
 //!
 //! GGX: D G F / (4 (n.v) (n.l)), F at the facet, of two lobes by their shares. Phong: (m + 2) / (2 pi) cos^m F, F at
 //! the normal, cos from the mirror direction. The environment is a sum over rays that each pixel and sample draws anew
-//! ([`mirror_ray`]): by the facets that the eye sees or about the mirror direction, and where the environment is bright;
-//! each is divided by the density of all. The interpolated vertex normal is used, on the visible side of the triangle;
-//! where it faces away at a silhouette, n.v counts as |n.v|.
+//! ([`mirror_ray`]): by the facets that the eye sees or about the mirror direction, and where the environment is
+//! bright; each is divided by the density of all. The interpolated vertex normal is used, on the visible side of the
+//! triangle; where it faces away at a silhouette, n.v counts as |n.v|.
 
 use std::f64::consts::{PI, TAU};
 
