@@ -50,10 +50,6 @@ records! { frame_records:
         reflection: u32,
         /// The lobe's exponent, or alpha of the microfacets.
         roughness: f32,
-        /// Alpha of the microfacets of the second lobe.
-        second_roughness: f32,
-        /// Share of the second lobe, 0 to 1: 0 where there is one lobe.
-        second_share: f32,
         /// Where light is multiplied by the texture: bits `TEXTURE_`.
         texture_side: u32,
         /// How the texture continues beyond its left and right edges, and beyond its lower and upper ones: a `WRAP_`
@@ -140,6 +136,10 @@ records! { frame_records:
         sky_depth: [f32; 3],
         /// Wide nodes at the top: of several objects those that have their roots as children, of one its own root.
         wide_tops: u32,
+        /// Alpha of the second lobe's microfacets.
+        second_roughness: f32,
+        /// Share of the second lobe in the reflection, 0 to 1: 0 where there is one lobe.
+        second_share: f32,
         /// Unused.
         padding: [u32; 3],
         /// Unused.
