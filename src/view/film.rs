@@ -56,7 +56,8 @@ impl Film {
         let due = (100.0 * f64::from(self.frames) / self.fps).round() as u32;
         let delay = due.saturating_sub(self.end).clamp(SHORTEST, u16::MAX.into());
         self.end = self.end.saturating_add(delay);
-        let frame = Frame::from_rgb_speed(size[0] as u16, size[1] as u16, bytes, 10);
+        // The slowest search for its colours, which finds the best ones.
+        let frame = Frame::from_rgb_speed(size[0] as u16, size[1] as u16, bytes, 1);
         self.encoder.write_frame(&Frame { delay: delay as u16, ..frame }).map_err(unencoded)
     }
 
