@@ -3,7 +3,7 @@
 //! | page | answers |
 //! |---|---|
 //! | [Getting started](start) | installing, first pictures, devices, commands, exit codes |
-//! | [Pictures of meshes](pictures) | what `render` does with a mesh alone: studio, size, material; the gallery |
+//! | [Pictures of meshes](pictures) | a mesh alone in a studio; turntables, transparency, a lens; the gallery |
 //! | [A window](window) | `view`: keys and drags, drafts, scripts |
 //! | [Scenes](scenes) | scene files: objects, materials, textures, every key |
 //! | [Meshes](meshes) | mesh files: formats, what is read and what not, animated characters |

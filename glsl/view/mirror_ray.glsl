@@ -80,6 +80,15 @@ vec3 bright(Light light, uint pixel) {
     return unit_of(vec3(place, z));
 }
 
+// The shape of the lobe from which a pixel draws this ray.
+float drawn_shape(Light light, uint pixel, uint object) {
+    float share = object_params[object].second_share;
+    if (share == 0.0) return object_params[object].roughness;
+    uint point = camera[0].sample_number * light.of + light.number;
+    bool second = unit_random(random4(pixel, light.kind, point, 2).x) < share;
+    return second ? object_params[object].second_roughness : object_params[object].roughness;
+}
+
 // The ray to the environment that stands for this record in a pixel; its place is the direction, about unit length.
 Light mirror_ray(Light light, uint pixel, Seen seen, float shape, bool ggx) {
     vec2 square = square_point(light, pixel);

@@ -45,7 +45,8 @@ void main() {
     bool reflects = object_params[object].reflection != REFLECTION_NONE, asked, freely = false;
     if (MIRROR != 0) {
         Seen seen = seen_at(hit, face);
-        light = mirror_ray(light, pixel, seen, object_params[object].roughness, object_params[object].reflection == REFLECTION_GGX);
+        bool ggx = object_params[object].reflection == REFLECTION_GGX;
+        light = mirror_ray(light, pixel, seen, drawn_shape(light, pixel, object), ggx);
         asked = shown && reflects && traced(seen, light);
         freely = shown && reflects && !asked;
     } else {

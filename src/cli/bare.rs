@@ -18,6 +18,10 @@ pub struct BareArguments {
     /// Samples per pixel, 1 to 64 [default: the scene's; for a mesh alone 8].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: Option<u32>,
+    /// What is shown where no object is: `none` for a transparent picture, `environment`, or a linear radiance
+    /// `[r,g,b]` [default: the scene's].
+    #[arg(long, value_name = "NONE|...")]
+    background: Option<String>,
     /// A mesh alone: the axis that points upwards [default: guessed from its shape].
     #[arg(long, value_enum)]
     up: Option<Up>,
@@ -31,7 +35,8 @@ pub struct BareArguments {
     #[arg(long, value_name = "FILE")]
     #[arg(value_parser = super::paths::any_path())]
     environment: Option<String>,
-    /// A mesh alone: N frames from all around it, `-o name-%04d.png`.
+    /// N frames from all around, `-o name-%04d.png` or `-o name.gif`: the camera goes round, and with it the lights of
+    /// a mesh alone.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10000))]
     turntable: Option<u32>,
 }
@@ -60,6 +65,7 @@ impl BareArguments {
             value("--preset", self.preset.clone()),
             value("--size-mm", self.size_mm.map(|size| format!("{size:?}"))),
             value("--samples", self.samples.map(|samples| samples.to_string())),
+            value("--background", self.background.clone()),
             value("--up", self.up.map(|up| if matches!(up, Up::Y) { "y" } else { "z" }.to_string())),
             value("--view-from", self.view_from.map(|view| format!("{:?},{:?}", view.azimuth, view.elevation))),
             self.ground.then(|| "--ground".to_string()),
@@ -81,6 +87,7 @@ impl BareArguments {
             environment: self.environment.clone(),
         };
         finite(scenes.frame)?;
+        scenes.sets.extend(self.background.iter().map(|background| format!("camera.background={background}")));
         super::paths::announce_pipe(std::path::Path::new(&scenes.scene));
         let studio = Studio::around(&scenes.scene, &scenes.sets(), scenes.frame, &scenes.memory.files(), wishes)?;
         match &studio {
@@ -102,7 +109,6 @@ impl BareArguments {
             ("--view-from", self.view_from.is_some(), "--set 'camera.position=[X, Y, Z]'"),
             ("--ground", self.ground, "an [[object]] with `shape = \"plane\"` and an opaque material"),
             ("--environment", self.environment.is_some(), "a [[light]] with `type = \"environment\"`"),
-            ("--turntable", self.turntable.is_some(), "keyframes of `camera.position`, and --frames"),
         ];
         match flags.into_iter().find(|(_, given, _)| *given) {
             Some((flag, _, instead)) => {
@@ -126,15 +132,22 @@ impl Subject {
     pub fn check(&self, frame: f64) -> Result<()> {
         match &self.studio {
             Some(studio) => studio.check(&self.scenes.sets(), self.turn_and_frame(frame).1),
-            None => self.scenes.check(frame),
+            None => self.scenes.check(self.turn_and_frame(frame).1),
         }
     }
 
     /// The scene at a frame, without a report.
     pub fn at(&self, frame: f64) -> Result<Scene> {
-        let Some(studio) = &self.studio else { return self.scenes.at(frame) };
         let (turn, frame) = self.turn_and_frame(frame);
-        studio.scene(turn, &self.scenes.sets(), frame, &self.scenes.memory.files())
+        if let Some(studio) = &self.studio {
+            return studio.scene(turn, &self.scenes.sets(), frame, &self.scenes.memory.files());
+        }
+        let mut scene = self.scenes.at(frame)?;
+        if turn != 0.0 {
+            let (low, high) = scene.bounds();
+            scene.camera = scene.camera.turned((low + high) / 2.0, turn);
+        }
+        Ok(scene)
     }
 
     /// How far the camera is turned at a frame, degrees, and the frame of the mesh.

@@ -160,8 +160,8 @@ struct SceneArguments {
     /// Play this animation of a glTF mesh; `milkglass scenes FILE` lists them.
     #[arg(long, value_name = "NAME")]
     animation: Option<String>,
-    /// Frames per second of the animation: 24 by default.
-    #[arg(long, value_name = "N", requires = "animation")]
+    /// Frames per second of the animation and of a GIF: 24 by default.
+    #[arg(long, value_name = "N")]
     fps: Option<f64>,
     #[command(flatten)]
     memory: MemoryArgument,

@@ -20,6 +20,7 @@ use milkglass::internals::session::cluster_view::{Emitters, clusters, color};
 use milkglass::internals::session::curvature_view::{CurvatureView, curvature_view, flat};
 use milkglass::internals::session::run::Session;
 use milkglass::internals::view::atomic_file::ready;
+use milkglass::internals::view::film::is_gif;
 use milkglass::internals::view::picture::{check, encode};
 
 /// Arguments of `render`.
@@ -30,7 +31,7 @@ pub struct Arguments {
     picture: PictureArguments,
     #[command(flatten)]
     limit: super::walk::LimitArgument,
-    /// The picture: `.png` (exposed, toned, sRGB) or `.exr` (linear).
+    /// The picture: `.png` (exposed, toned, sRGB) or `.exr` (linear); of several frames also `.gif`.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Add layers to an `.exr`: irradiance, radiosity, normal, shadows, error_estimate, depth, object, triangle,
@@ -40,8 +41,8 @@ pub struct Arguments {
     /// Show something other than light.
     #[arg(long, value_enum, conflicts_with_all = ["aov", "turntable"])]
     view: Option<View>,
-    /// Render these frames, both ends included, each to its own file: `-o frame-%04d.png`. Frames do not depend on
-    /// one another.
+    /// Render these frames, both ends included, each to its own file: `-o frame-%04d.png`; or all to one:
+    /// `-o film.gif`. Frames do not depend on one another.
     #[arg(long, value_name = "A..B", conflicts_with_all = ["view", "frame", "times", "turntable"],
           allow_hyphen_values = true)]
     frames: Option<String>,
@@ -131,14 +132,17 @@ enum View {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     arguments.limit.hold();
-    check(&arguments.output)?;
+    let film = is_gif(&arguments.output) && arguments.frames.is_some() | arguments.picture.bare.turns().is_some();
+    if !film {
+        check(&arguments.output)?;
+    }
     let aov = arguments.aov;
     if aov {
         arguments.check_layers()?;
     }
     let around = arguments.picture.bare.turns().map(|turns| format!("0..{}", turns - 1));
     let range = arguments.frames.clone().or(around);
-    if range.is_none() {
+    if range.is_none() || film {
         ready([("-o", Some(&arguments.output))])?;
     }
     let frames = range.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;

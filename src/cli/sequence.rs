@@ -1,5 +1,5 @@
-//! `milkglass render --frames`: one picture per frame, the same as if each were rendered alone, but for a metered
-//! exposure, which is that of frame 0.
+//! `milkglass render --frames` and `--turntable`: one picture per frame, the same as if each were rendered alone, but
+//! for a metered exposure, which is that of frame 0. A GIF holds all of them.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -19,8 +19,8 @@ use milkglass::internals::prepare::shape::turned;
 use milkglass::internals::session::aov::layers;
 use milkglass::internals::session::run::Session;
 use milkglass::internals::view::aov::save;
-use milkglass::internals::view::picture::{is_png, save_png};
-use milkglass::scene::{numbered as numbered_text, path_of_text, text_of_path};
+use milkglass::internals::view::film::{Film, is_gif};
+use milkglass::scene::{Scene, numbered as numbered_text, path_of_text, text_of_path};
 
 /// Most frames in one call.
 const MOST: i64 = 1_000_000;
@@ -35,7 +35,7 @@ pub struct Job<'a> {
     pub size: Option<[u32; 2]>,
     /// Transport, mode and goal.
     pub options: Options,
-    /// The output path, with a placeholder for the number.
+    /// The output path: of a GIF, or with a placeholder for the number.
     pub output: &'a Path,
     /// Whether pictures have layers.
     pub aov: bool,
@@ -51,6 +51,11 @@ impl Job<'_> {
             let fault = Input::new("the scene is read again for every frame").key("--frames").found(scene);
             return Err(fault.expected("a plain file").into());
         }
+        let gif = is_gif(self.output);
+        if gif && self.skip {
+            let fault = Input::new("a GIF is written as a whole").key("--skip-existing").found(self.output.display());
+            return Err(fault.expected("-o NAME-%04d.png").into());
+        }
         let start = Instant::now();
         let output = |frame: i32| numbered(self.output, frame).unwrap_or_default();
         // Only a non-empty file counts as a picture.
@@ -65,37 +70,26 @@ impl Job<'_> {
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left") {
             bar.set_style(style);
         }
-        let mut session = self.metered(device)?;
-        let mut render = |frame: i32| -> Result<()> {
-            let mut scene = self.scenes.at(f64::from(frame))?;
-            scene.camera = scene.camera.clone().sized(self.size.unwrap_or(scene.camera.size))?;
-            let session = match &mut session {
-                None => {
-                    scene.report.iter().for_each(|line| tell!("{line}"));
-                    let opened = open_session(&scene, device, self.options)?;
-                    tell_long_work(&opened);
-                    session.insert(opened)
-                }
-                Some(session) => {
-                    session.show(&scene).map_err(|error| scene.placed(error))?;
-                    bar.suspend(|| warn_of_shape(session, &format!("frame {frame}: ")));
-                    session
-                }
-            };
-            run_frame(session, Change::default())?;
-            check_messages(device)?;
-            shoot(session, self.aov, &output(frame), Samples::hidden())?;
-            check_messages(device)?;
-            bar.inc(1);
-            Ok(())
-        };
+        let (mut session, mut film) = (self.metered(device)?, None);
         for (done, &frame) in wanted.iter().enumerate() {
-            render(frame).inspect_err(|_| {
+            let session = self.prepare(device, &mut session, &bar, frame);
+            let done_with = session.and_then(|session| {
+                if gif {
+                    self.film(session, &mut film)
+                } else {
+                    shoot(session, self.aov, &output(frame), Samples::hidden()).map(drop)
+                }
+            });
+            done_with.and_then(|()| check_messages(device)).inspect_err(|_| {
                 bar.finish_and_clear();
-                tell!("frame {frame} failed; the {done} before it are whole, and --skip-existing goes on from here");
+                let left =
+                    if gif { "nothing was written" } else { "they are whole, and --skip-existing goes on from here" };
+                tell!("frame {frame} failed, after {done} others; {left}");
             })?;
+            bar.inc(1);
         }
         bar.finish_and_clear();
+        film.map_or(Ok(()), |film| film.save(self.output))?;
         let place = device.map_or("the CPU", |device| device.name());
         let (count, there) = (wanted.len(), left_out.len());
         let there = if there > 0 { format!(", {there} were there") } else { String::new() };
@@ -106,15 +100,62 @@ impl Job<'_> {
 }
 
 impl Job<'_> {
+    /// Computes the light of a frame; the session is opened if it is none yet.
+    fn prepare<'s>(
+        &self,
+        device: Option<&Device>,
+        session: &'s mut Option<Session>,
+        bar: &ProgressBar,
+        frame: i32,
+    ) -> Result<&'s mut Session> {
+        let scene = self.scene(frame)?;
+        let session = match session {
+            None => {
+                scene.report.iter().for_each(|line| tell!("{line}"));
+                let opened = open_session(&scene, device, self.options)?;
+                tell_long_work(&opened);
+                session.insert(opened)
+            }
+            Some(session) => {
+                session.show(&scene).map_err(|error| scene.placed(error))?;
+                bar.suspend(|| warn_of_shape(session, &format!("frame {frame}: ")));
+                session
+            }
+        };
+        run_frame(session, Change::default())?;
+        check_messages(device)?;
+        Ok(session)
+    }
+
+    /// The scene at a frame, with the pictures' size.
+    fn scene(&self, frame: i32) -> Result<Scene> {
+        let mut scene = self.scenes.at(f64::from(frame))?;
+        scene.camera = scene.camera.clone().sized(self.size.unwrap_or(scene.camera.size))?;
+        if is_gif(self.output) {
+            Film::check(&scene.camera).map_err(|error| scene.placed(error))?;
+        }
+        Ok(scene)
+    }
+
+    /// Adds the picture of the last frame to the film, which it begins if there is none yet.
+    fn film(&self, session: &mut Session, film: &mut Option<Film>) -> Result<()> {
+        session.sample()?;
+        let (bytes, scene) = (session.shown()?, session.scene());
+        let size = scene.camera.size;
+        let film = match film {
+            Some(film) => film,
+            None => film.insert(Film::new(size, scene.fps)?),
+        };
+        film.push(size, &bytes).map_err(|error| scene.placed(error))
+    }
+
     /// For a film whose camera is metered, a session that has found the exposure from frame 0, or else from the first
     /// frame of the range, so that films rendered in parts have one exposure; none for any other film.
     fn metered(&self, device: Option<&Device>) -> Result<Option<Session>> {
-        let at = |frame: f64| self.scenes.check(frame).and_then(|()| self.scenes.at(frame));
-        let first = f64::from(*self.frames.start());
-        let Some(mut scene) = at(0.0).or_else(|_| at(first)).ok().filter(|scene| scene.camera.metered) else {
+        let at = |frame: i32| self.scenes.check(frame.into()).and_then(|()| self.scene(frame));
+        let Some(scene) = at(0).or_else(|_| at(*self.frames.start())).ok().filter(|scene| scene.camera.metered) else {
             return Ok(None);
         };
-        scene.camera = scene.camera.clone().sized(self.size.unwrap_or(scene.camera.size))?;
         scene.report.iter().for_each(|line| tell!("{line}"));
         let mut session = open_session(&scene, device, self.options)?;
         tell_long_work(&session);
@@ -151,11 +192,7 @@ pub fn shoot(session: &mut Session, aov: bool, output: &Path, mut samples: Sampl
     let times = session.sample_telling(&mut |done, all, steps| samples.tell(done, all, steps))?;
     phase("writing the picture", || match layers {
         Some(layers) => save(&session.picture()?, &layers, output),
-        None if is_png(output) => {
-            let size = session.scene().camera.size.map(|n| n as usize);
-            save_png(output, size, &session.shown()?)
-        }
-        None => session.picture()?.save(output),
+        None => session.save(output),
     })?;
     Ok(times)
 }
@@ -167,9 +204,9 @@ pub fn parse(text: &str, output: &Path) -> Result<RangeInclusive<i32>> {
         let expected = "A..B, whole numbers, A at most B, both included, at most 1000000 frames";
         return Err(Input::new("not a range of frames").key("--frames").found(text).expected(expected).into());
     };
-    if numbered(output, 0).is_none() {
+    if !is_gif(output) && numbered(output, 0).is_none() {
         let fault = Input::new("every frame needs a file of its own").key("--output").found(output.display());
-        return Err(fault.expected("the place of the frame's number, once: frame-%04d.png").into());
+        return Err(fault.expected("the place of the frame's number, once: frame-%04d.png; or NAME.gif").into());
     }
     Ok(first..=last)
 }

@@ -55,7 +55,6 @@ plain! {
     [f32; 4], "vec4", 4, Float;
     [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
-    [u32; 5], "uint[5]", 5, Unsigned;
     [u32; 8], "uint[8]", 8, Unsigned;
     [u32; 16], "uint[16]", 16, Unsigned;
     [u32; 20], "uint[20]", 20, Unsigned;

@@ -136,8 +136,12 @@ records! { frame_records:
         sky_depth: [f32; 3],
         /// Wide nodes at the top: of several objects those that have their roots as children, of one its own root.
         wide_tops: u32,
+        /// Alpha of the second lobe's microfacets.
+        second_roughness: f32,
+        /// Share of the second lobe in the reflection, 0 to 1: 0 where there is one lobe.
+        second_share: f32,
         /// Unused.
-        padding: [u32; 5],
+        padding: [u32; 3],
         /// Unused.
         last_padding: u32,
         /// Joints that each of its vertices follows; 0 if it follows none.

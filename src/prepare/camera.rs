@@ -30,6 +30,19 @@ pub fn camera(state: &mut State, camera: &Camera, units: Units) {
     }];
 }
 
+/// Sends the rays through another point of the pixels, in pixels from their centres, and of the lens, in radii from its
+/// middle. The picture is shifted so that what is in focus stays where it is.
+pub fn shift(record: &mut Record, camera: &Camera, units: Units, pixel: [f64; 2], lens: [f64; 2]) {
+    let (right, up, _) = camera.basis();
+    let [across, above] = lens.map(|x| 0.5 * camera.aperture * x);
+    record.origin = narrow(units.inside(camera.position + across * right + above * up));
+    // A unit of length at the distance of focus, in twice a pixel.
+    let [_, height] = camera.size.map(f64::from);
+    let scale = height / (camera.focus() * f64::tan(0.5 * camera.fov.to_radians()));
+    record.shift_x = 2.0 * pixel[0] as f32 - (across * scale) as f32;
+    record.shift_y = 2.0 * pixel[1] as f32 + (above * scale) as f32;
+}
+
 /// Writes the tones, unless they were dropped.
 pub fn tones(state: &mut State, camera: &Camera) {
     if state.data.camera.is_empty() || !state.data.tones.is_empty() {

@@ -33,11 +33,14 @@ pub(super) fn coefficients(params: &mut ObjectParams, material: &Material, units
     let dipoles = material.opaque.is_none().then(|| dipoles(material, units.length));
     let per_channel =
         |f: fn(&Dipole) -> f64| dipoles.as_ref().map_or([0.0; 3], |d| d.each_ref().map(|dipole| f(dipole) as f32));
-    let (reflection, roughness) = match material.surface.reflection {
-        Reflection::None => (REFLECTION_NONE, 0.0),
-        Reflection::Phong { shininess } => (REFLECTION_PHONG, shininess as f32),
-        Reflection::Ggx { roughness } => (REFLECTION_GGX, roughness as f32),
+    let (reflection, lobes) = match material.surface.reflection {
+        Reflection::None => (REFLECTION_NONE, [0.0; 3]),
+        Reflection::Phong { shininess } => (REFLECTION_PHONG, [shininess.into(), 0.0, 0.0]),
+        Reflection::Ggx { roughness, second_roughness, second_share } => {
+            (REFLECTION_GGX, [roughness, second_roughness, second_share])
+        }
     };
+    let [roughness, second_roughness, second_share] = lobes.map(|x| x as f32);
     let diffuse = shading::diffuse(material, dipoles.as_ref());
     let bent = matches!(local, Some(Local::Closed | Local::Table(_))) && material.opaque.is_none();
     let sigma_0 = if bent { shading::sigma_0(material) } else { [0.0; 3] };
@@ -52,6 +55,8 @@ pub(super) fn coefficients(params: &mut ObjectParams, material: &Material, units
         eta: material.eta.map(|eta| eta as f32),
         reflection,
         roughness,
+        second_roughness,
+        second_share,
         exit: material.eta.map(|eta| if material.surface.normalize_exit { fresnel::exit(eta) as f32 } else { 1.0 }),
         two_sided: u32::from(material.two_sided),
         zonal_0: degree(0),
@@ -88,7 +93,14 @@ pub(crate) fn change(state: &mut State, number: usize, material: &Material, unit
     let after = state.data.object_params[number];
 
     // What only pictures show, then how light spreads; the rest decides how much enters.
-    let shown = ObjectParams { reflection: after.reflection, roughness: after.roughness, exit: after.exit, ..before };
+    let shown = ObjectParams {
+        reflection: after.reflection,
+        roughness: after.roughness,
+        second_roughness: after.second_roughness,
+        second_share: after.second_share,
+        exit: after.exit,
+        ..before
+    };
     let spread = ObjectParams {
         strength: after.strength,
         sigma: after.sigma,

@@ -5,7 +5,7 @@ use super::light::{Light, Source};
 use super::range::{self, Checked};
 use super::vector::{Background, Exposure, Vector};
 use crate::error::{Input, Result};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use serde::Deserialize;
 use std::ops::Range;
 
@@ -35,10 +35,10 @@ pub enum Tone {
     Filmic,
 }
 
-/// A validated pinhole camera.
+/// A validated camera: a pinhole, or a thin lens.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// The pinhole, in scene units; never equal to `target`.
+    /// The pinhole or the middle of the lens, in scene units; never equal to `target`.
     pub position: DVec3,
     /// The point in the middle of the picture, in scene units.
     pub target: DVec3,
@@ -46,6 +46,10 @@ pub struct Camera {
     pub up: DVec3,
     /// Vertical field of view in degrees, between 0 and 180.
     pub fov: f64,
+    /// Diameter of the lens in scene units, 0 to 1e9: 0 is a pinhole. A picture of one sample is that of a pinhole.
+    pub aperture: f64,
+    /// Distance along the view of what the lens shows sharp, in scene units, above 0; none: that of `target`.
+    pub focus: Option<f64>,
     /// Width and height in pixels, each 1 to 16384.
     pub size: [u32; 2],
     /// Samples of a pixel, which shows their mean, 1 to 64.
@@ -60,6 +64,8 @@ pub struct Camera {
     pub background: [f64; 3],
     /// Whether the environment is shown where no object is seen, instead of `background`.
     pub environment: bool,
+    /// Whether pictures are transparent where no object is seen; `background` is black then.
+    pub transparent: bool,
 }
 
 /// The minimum angle of a pixel, radian: four times the resolution of `f32`.
@@ -70,6 +76,11 @@ impl Camera {
     /// the axis least aligned with the view replaces it.
     pub fn basis(&self) -> (DVec3, DVec3, DVec3) {
         frame((self.target - self.position).normalize_or(DVec3::NEG_Z), self.up)
+    }
+
+    /// Distance along the view of what is sharp, in scene units.
+    pub fn focus(&self) -> f64 {
+        self.focus.unwrap_or_else(|| self.position.distance(self.target))
     }
 
     /// The same camera with another picture size; an error if its pixels are too narrow for `f32`.
@@ -86,6 +97,14 @@ impl Camera {
         let (_, _, forward) = self.basis();
         let target = (low + high) / 2.0;
         Self { position: target - forward * distance(self, target, forward, low, high), target, ..self.clone() }
+    }
+
+    /// The same camera, turned by `degrees` about the axis through `middle` that points upwards.
+    #[must_use]
+    pub fn turned(&self, middle: DVec3, degrees: f64) -> Self {
+        let turn = DQuat::from_axis_angle(self.up, degrees.to_radians());
+        let [position, target] = [self.position, self.target].map(|place| middle + turn * (place - middle));
+        Self { position, target, ..self.clone() }
     }
 
     /// Checks the angle of a pixel: rays and positions are `f32`, and those of neighbours must differ by more than
@@ -123,7 +142,12 @@ impl Framing {
             let inside = |x| range.start < x && x < range.end;
             range::number(&format!("camera.{key}"), given.unwrap_or(usual), inside, expected)
         };
+        let positive = |x: f64| 0.0 < x && x <= range::LARGEST;
+        let focus = file.focus.map(|focus| range::number("camera.focus", focus, positive, "above 0, to 1e9"));
+        let lens = |x: f64| (0.0..=range::LARGEST).contains(&x);
         let rest = Camera {
+            aperture: range::number("camera.aperture", file.aperture.unwrap_or(0.0), lens, "0 to 1e9")?,
+            focus: focus.transpose()?,
             position: DVec3::ZERO,
             target: DVec3::ZERO,
             up: file.up.map_or(Ok(DVec3::Y), |up| range::direction("camera.up", up.0))?,
@@ -140,13 +164,14 @@ impl Framing {
             metered: file.exposure == Some(Exposure::Auto),
             tone: file.tone,
             background: match file.background {
-                Background::Environment => [0.0; 3],
+                Background::Environment | Background::None => [0.0; 3],
                 Background::Color(color) => {
                     let accept = |x| (0.0..=1e20).contains(&x);
                     range::channels("camera.background", color, accept, "numbers from 0 to 1e20")?
                 }
             },
             environment: file.background == Background::Environment,
+            transparent: file.background == Background::None,
         };
         rest.wide_enough()?;
         Ok(Self { position, target, rest })
@@ -158,7 +183,7 @@ impl Framing {
             return Ok(());
         }
         let fault = Input::new("no light is an environment").key("camera.background").found("\"environment\"");
-        Err(fault.expected("a number or [r, g, b], or a [[light]] of type \"environment\""))
+        Err(fault.expected("a number, [r, g, b] or \"none\", or a [[light]] of type \"environment\""))
     }
 
     /// The camera, with a missing position or target fitted to the box `low..high`.
@@ -266,6 +291,16 @@ mod tests {
     }
 
     #[test]
+    fn a_turned_camera_goes_round_the_middle() {
+        let camera = fitted("position = [1, 5, 4]\ntarget = [1, 1, 0]").expect("a camera");
+        let middle = DVec3::new(1.0, 2.0, 1.0);
+        let quarter = camera.turned(middle, 90.0);
+        assert!(quarter.position.distance(DVec3::new(4.0, 5.0, 1.0)) < 1e-12, "{}", quarter.position);
+        assert!(quarter.target.distance(DVec3::new(0.0, 1.0, 1.0)) < 1e-12, "{}", quarter.target);
+        assert!(camera.turned(middle, 360.0).position.distance(camera.position) < 1e-12);
+    }
+
+    #[test]
     fn the_basis_is_orthonormal_for_every_up() {
         for up in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_Y, DVec3::ONE.normalize()] {
             for view in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_Z, -DVec3::ONE] {
@@ -282,6 +317,8 @@ mod tests {
     #[test]
     fn names_the_key_at_fault() {
         let cases = [
+            ("aperture = -1", "camera.aperture: out of range; found -1; expected 0 to 1e9"),
+            ("focus = 0", "camera.focus: out of range; found 0; expected above 0, to 1e9"),
             ("fov = 180", "camera.fov: out of range; found 180; expected degrees, above 0"),
             ("size = [0, 512]", "camera.size: not a picture size; found [0, 512]; expected [width"),
             ("size = [5]", "camera.size: not a picture size; found [5]"),

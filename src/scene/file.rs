@@ -51,6 +51,8 @@ pub(super) struct CameraFile {
     pub target: Option<Vector>,
     pub up: Option<Vector>,
     pub fov: Option<f64>,
+    pub aperture: Option<f64>,
+    pub focus: Option<f64>,
     pub size: Option<Vec<i64>>,
     pub samples: Option<u32>,
     pub exposure: Option<Exposure>,
@@ -76,6 +78,8 @@ pub(super) struct MaterialFile {
     pub normalize_exit: bool,
     pub reflection: ReflectionKind,
     pub roughness: Option<f64>,
+    pub second_roughness: Option<f64>,
+    pub second_share: Option<f64>,
     pub shininess: Option<i64>,
     pub sigma_0: Option<Rgb>,
     pub sigma_0_texture: Option<String>,
@@ -91,8 +95,10 @@ pub(super) struct MaterialFile {
 pub(super) struct Draft {
     /// Millimetres per scene unit.
     pub unit_mm: f64,
-    /// The animation to play, and its frames per second.
-    pub animation: Option<(String, f64)>,
+    /// The name of the animation to play.
+    pub animation: Option<String>,
+    /// Frames per second of animation and films.
+    pub fps: f64,
     /// The camera, not fitted to the objects yet.
     pub framing: Framing,
     /// The lights, in the file's order.
@@ -123,7 +129,8 @@ impl SceneFile {
         framing.check_background(&lights)?;
         Ok(Draft {
             unit_mm,
-            animation: Play::check(self.animation.as_ref(), self.fps)?,
+            animation: self.animation.clone(),
+            fps: Play::fps(self.fps)?,
             framing,
             lights,
             objects: object::check_all(&self.object, unit_mm)?,

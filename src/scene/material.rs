@@ -206,7 +206,7 @@ impl Material {
             return Err(Input::new(what)
                 .key(key(name))
                 .found(found)
-                .expected("albedo, eta, reflection, roughness, shininess, texture"));
+                .expected("albedo, eta, reflection, roughness, second_roughness, second_share, shininess, texture"));
         }
         // With layers alone, the surface itself has albedo 0 by default.
         let usual = if file.layers.is_some() && !file.opaque { 0.0 } else { 0.5 };

@@ -91,6 +91,8 @@ pub struct Scene {
     pub transport: Transport,
     /// The first and the last frame of keyframes and animation; none where nothing has them.
     pub frames: Option<[f64; 2]>,
+    /// Frames per second of the animation and of a GIF, 0.001 to 1e6.
+    pub fps: f64,
     /// Repairs and warnings for the user, one per entry.
     pub report: Vec<String>,
     /// The memory limit, and the memory taken so far.
@@ -200,7 +202,7 @@ impl Scene {
             read::place(fault, &text.toml, &text.file, sets)
         })?;
         let mut frames = draft.frames;
-        let mut play = draft.animation.map(|animation| Play::at(animation, frame));
+        let mut play = draft.animation.map(|name| Play::at(name, draft.fps, frame));
         let mut objects = Vec::with_capacity(draft.objects.len());
         for (index, mut object) in draft.objects.into_iter().enumerate() {
             let mut notes = Vec::new();
@@ -233,14 +235,7 @@ impl Scene {
             let loaded = loaded.and_then(|()| light.check_outside(&objects, index));
             loaded.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
         }
-        for (index, light) in lights.iter().enumerate() {
-            if let Some(why) = light.misses(&objects) {
-                report.push(format!("light {index} lights nothing: {why}"));
-            }
-        }
-        if lights.is_empty() {
-            report.push("dark: the scene has no [[light]]".to_owned());
-        }
+        report.extend(without_effect(&camera, &lights, &objects));
         let origin = Arc::new(Origin { toml: text.toml, file: text.file, folder: text.folder, sets: sets.to_vec() });
         Ok(Self {
             origin,
@@ -251,6 +246,7 @@ impl Scene {
             objects,
             transport: Transport { divided: draft.transport.receivers == Receivers::Faces, ..draft.transport },
             frames,
+            fps: draft.fps,
             report,
             memory: files.memory(),
         })
@@ -268,6 +264,20 @@ impl Scene {
         let mut all = self.lights.iter().enumerate();
         all.try_for_each(|(index, light)| light.check_outside(&self.objects, index)).map_err(Into::into)
     }
+}
+
+/// Lines about what has no effect on the picture.
+fn without_effect(camera: &Camera, lights: &[Light], objects: &[Object]) -> Vec<String> {
+    let misses =
+        |(index, light): (usize, &Light)| Some(format!("light {index} lights nothing: {}", light.misses(objects)?));
+    let mut lines: Vec<String> = lights.iter().enumerate().filter_map(misses).collect();
+    if camera.aperture > 0.0 && camera.samples == 1 {
+        lines.push("camera.aperture blurs nothing: the picture has one sample a pixel (camera.samples)".to_owned());
+    }
+    if lights.is_empty() {
+        lines.push("dark: the scene has no [[light]]".to_owned());
+    }
+    lines
 }
 
 fn bounds(objects: &[Object]) -> (DVec3, DVec3) {

@@ -23,24 +23,13 @@ pub(super) struct Play {
 }
 
 impl Play {
-    /// Checks the name of the animation and the number of frames per second, which has a default.
-    pub fn check(name: Option<&String>, fps: Option<f64>) -> Checked<Option<(String, f64)>> {
-        match (name, fps) {
-            (None, None) => Ok(None),
-            (None, Some(_)) => {
-                Err(Input::new("the scene plays no animation").key("fps").expected("an `animation` beside it"))
-            }
-            (Some(name), fps) => {
-                let fps = fps.unwrap_or(FPS);
-                let accept = |fps| (1e-3..=1e6).contains(&fps);
-                range::number("fps", fps, accept, "0.001 to 1e6 frames per second")?;
-                Ok(Some((name.clone(), fps)))
-            }
-        }
+    /// Checks the number of frames per second, which has a default.
+    pub fn fps(fps: Option<f64>) -> Checked<f64> {
+        range::number("fps", fps.unwrap_or(FPS), |fps| (1e-3..=1e6).contains(&fps), "0.001 to 1e6 frames per second")
     }
 
-    /// The animation at a frame.
-    pub fn at((name, fps): (String, f64), frame: f64) -> Self {
+    /// The animation of this name at a frame.
+    pub fn at(name: String, fps: f64, frame: f64) -> Self {
         Self { name, time: frame / fps, last: 0.0, fps, played: false, known: Vec::new() }
     }
 

@@ -26,10 +26,14 @@ pub enum Reflection {
         /// The exponent.
         shininess: u32,
     },
-    /// GGX microfacets (Walter et al. 2007).
+    /// GGX microfacets (Walter et al. 2007), in two lobes whose sum of shares is 1.
     Ggx {
-        /// alpha, 0.001 to 1.
+        /// alpha of the first lobe, 0.001 to 1.
         roughness: f64,
+        /// alpha of the second lobe, likewise.
+        second_roughness: f64,
+        /// Share of the second lobe, 0 to 1; 0 where there is one.
+        second_share: f64,
     },
 }
 
@@ -46,7 +50,12 @@ pub(super) enum ReflectionKind {
 impl Surface {
     /// Checks a material's surface keys, whose full names `key` gives.
     pub(super) fn check(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Self> {
-        let others = [("roughness", file.roughness.is_some(), "ggx"), ("shininess", file.shininess.is_some(), "phong")];
+        let others = [
+            ("roughness", file.roughness.is_some(), "ggx"),
+            ("second_roughness", file.second_roughness.is_some(), "ggx"),
+            ("second_share", file.second_share.is_some(), "ggx"),
+            ("shininess", file.shininess.is_some(), "phong"),
+        ];
         let kind = match file.reflection {
             ReflectionKind::None => "none",
             ReflectionKind::Phong => "phong",
@@ -66,12 +75,30 @@ impl Surface {
                 })?;
                 Reflection::Phong { shininess }
             }
-            ReflectionKind::Ggx => {
-                let accept = |x| (0.001..=1.0).contains(&x);
-                let value = file.roughness.unwrap_or(0.2);
-                Reflection::Ggx { roughness: range::number(&key("roughness"), value, accept, "0.001 to 1")? }
-            }
+            ReflectionKind::Ggx => Self::facets(file, key)?,
         };
         Ok(Self { normalize_exit: file.normalize_exit, reflection })
+    }
+
+    /// Checks the keys of microfacets.
+    fn facets(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Reflection> {
+        let alpha =
+            |name: &str, value: f64| range::number(&key(name), value, |x| (0.001..=1.0).contains(&x), "0.001 to 1");
+        let roughness = alpha("roughness", file.roughness.unwrap_or(0.2))?;
+        let Some(second) = file.second_roughness else {
+            return match file.second_share {
+                None => Ok(Reflection::Ggx { roughness, second_roughness: roughness, second_share: 0.0 }),
+                Some(share) => {
+                    let fault = Input::new("the share of a lobe that is missing").key(key("second_share")).found(share);
+                    Err(fault.expected("second_roughness beside it"))
+                }
+            };
+        };
+        let share = file.second_share.unwrap_or(0.5);
+        Ok(Reflection::Ggx {
+            roughness,
+            second_roughness: alpha("second_roughness", second)?,
+            second_share: range::number(&key("second_share"), share, |x| (0.0..=1.0).contains(&x), "0 to 1")?,
+        })
     }
 }

@@ -10,13 +10,15 @@ pub(super) struct Vector(pub [f64; 3]);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rgb(pub [f64; 3]);
 
-/// What is shown where no object is: a colour, or the word `environment`.
+/// What is shown where no object is: a colour, or the word `environment` or `none`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Background {
     /// Three channels.
     Color([f64; 3]),
     /// The environment.
     Environment,
+    /// Nothing: the picture is transparent.
+    None,
 }
 
 impl Default for Background {
@@ -31,14 +33,14 @@ impl<'de> Deserialize<'de> for Background {
     }
 }
 
-/// Reads a colour or the word.
+/// Reads a colour or a word.
 struct ColorOrWord;
 
 impl<'de> Visitor<'de> for ColorOrWord {
     type Value = Background;
 
     fn expecting(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        out.write_str("a number, [r, g, b] or \"environment\"")
+        out.write_str("a number, [r, g, b], \"environment\" or \"none\"")
     }
 
     fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Background, E> {
@@ -52,6 +54,7 @@ impl<'de> Visitor<'de> for ColorOrWord {
     fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<Background, E> {
         match value {
             "environment" => Ok(Background::Environment),
+            "none" => Ok(Background::None),
             _ => Err(E::invalid_value(serde::de::Unexpected::Str(value), &self)),
         }
     }

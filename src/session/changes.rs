@@ -5,7 +5,7 @@ use super::run::Session;
 use crate::error::Result;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Changes};
-use crate::prepare::camera::{camera, tones};
+use crate::prepare::camera::{camera, shift, tones};
 use crate::prepare::compactness::Compactness;
 use crate::prepare::lights::lights;
 use crate::prepare::material::{self, differs_by_coefficients, quadrature};
@@ -287,13 +287,13 @@ impl Session {
         Ok(())
     }
 
-    /// Shifts the rays from the pixels' centres, in pixels, for sample `k`.
-    pub(crate) fn shift(&mut self, place: [f64; 2], k: u32) -> Result<()> {
-        if let Some(camera) = self.prepared.state.data.camera.first_mut() {
-            [camera.shift_x, camera.shift_y] = place.map(|x| 2.0 * x as f32);
-            (camera.weight, camera.sample_number) = (1.0 / (k + 1) as f32, k);
+    /// Shifts the rays from the pixels' centres, in pixels, and from the lens's middle, in its radii, for sample `k`.
+    pub(crate) fn shift(&mut self, place: [f64; 2], lens: [f64; 2], k: u32) -> Result<()> {
+        if let Some(record) = self.prepared.state.data.camera.first_mut() {
+            shift(record, &self.scene.camera, self.prepared.units, place, lens);
+            (record.weight, record.sample_number) = (1.0 / (k + 1) as f32, k);
         }
-        self.shifted = place != [0.0; 2];
+        self.shifted = [place, lens] != [[0.0; 2]; 2];
         self.pending.add(Change::VIEW);
         self.send(&[BufferId::camera])
     }

@@ -37,7 +37,7 @@ impl Session {
     /// Begins a frame as [`Session::frame`] runs it; [`Session::go_on`] runs its steps.
     pub fn begin(&mut self, change: Change) -> Result<FrameParts> {
         if self.shifted {
-            self.shift([0.0; 2], 0)?;
+            self.shift([0.0; 2], [0.0; 2], 0)?;
         }
         self.begin_as_it_is(change)
     }
@@ -96,6 +96,7 @@ impl Session {
             None => {
                 self.pending = Changes::default();
                 self.failed = false;
+                self.cover()?;
                 if frame.last_sample {
                     (self.sampled, self.shifted) = (true, true);
                 }

@@ -1,5 +1,7 @@
 //! The front door: a session, and its picture.
 
+use std::path::Path;
+
 use super::antialiasing::picture;
 use super::capacity::CapacityHints;
 use super::run::{Session, unfinished};
@@ -10,7 +12,7 @@ use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Changes, Options};
 use crate::prepare::camera::tones;
 use crate::scene::Scene;
-use crate::view::picture::{Picture, metered};
+use crate::view::picture::{Picture, is_png, metered, save_png};
 
 impl Session {
     /// Prepares a scene for a device, or for the CPU if there is none.
@@ -60,7 +62,16 @@ impl Session {
         let pixels = if self.sampled { data.mean.clone() } else { data.radiance.clone() };
         let camera = &self.scene.camera;
         let [width, height] = camera.size.map(|n| n as usize);
-        Ok(Picture { width, height, pixels, exposure: camera.exposure, tone: camera.tone })
+        Ok(Picture { width, height, pixels, alpha: self.alpha(), exposure: camera.exposure, tone: camera.tone })
+    }
+
+    /// Writes the picture as [`Picture::save`] does; an opaque PNG is exposed where the stages run.
+    pub fn save(&mut self, path: &Path) -> Result<()> {
+        if is_png(path) && !self.scene.camera.transparent {
+            let size = self.scene.camera.size.map(|n| n as usize);
+            return save_png(path, size, &self.shown()?);
+        }
+        self.picture()?.save(path)
     }
 
     /// The same picture as sRGB, 8 bits a channel, row by row from the top: [`Picture::bytes`], found where the stages

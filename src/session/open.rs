@@ -71,8 +71,7 @@ impl Session {
             Some(before) => before.gpu.take(),
             None => device.map(|device| DeviceState::new(device, false)).transpose()?,
         };
-        let (retries, relinks) = before.as_deref().map_or((0, 0), |before| (before.retries, before.relinks));
-        let held = before.as_deref().and_then(|before| before.held);
+        let (retries, relinks, held) = before.as_deref().map_or((0, 0, None), Self::kept);
         let mut session = Self {
             prepared,
             plan,
@@ -86,6 +85,7 @@ impl Session {
             parts,
             not_kept: None,
             sampled: false,
+            coverage: Vec::new(),
             held,
             shifted: false,
             failed: false,
@@ -108,6 +108,11 @@ impl Session {
                 Err(error)
             }
         }
+    }
+
+    /// What a session built from this one keeps: how often frames were repeated, and the exposure that was held.
+    fn kept(&self) -> (usize, usize, Option<f64>) {
+        (self.retries, self.relinks, self.held)
     }
 
     /// Whether its lists fit at all.

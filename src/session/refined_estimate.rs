@@ -1,5 +1,6 @@
 //! A refined error estimate, from a second solution at a smaller tolerance. It accounts for errors that cancel.
 
+use super::antialiasing::{lens, place};
 use super::run::Session;
 use crate::error::Result;
 use crate::layout::BufferId;
@@ -24,8 +25,11 @@ impl Session {
         }
         let solve = || -> Result<Option<Session>> {
             let Some(mut other) = self.sharper()? else { return Ok(None) };
-            if let Some(camera) = self.state().data.camera.first() {
-                other.shift([camera.shift_x, camera.shift_y].map(|x| f64::from(x) / 2.0), 0)?;
+            if let Some(k) =
+                self.state().data.camera.first().map(|camera| camera.sample_number).filter(|_| self.shifted)
+            {
+                let samples = self.scene.camera.samples;
+                other.shift(place(k, samples), lens(k, samples), 0)?;
             }
             let pending = other.pending.clone();
             other.frame_as_it_is(pending)?;

@@ -58,6 +58,8 @@ pub struct Session {
     pub(crate) not_kept: Option<String>,
     /// Whether the mean over all samples of the pixels is complete.
     pub(crate) sampled: bool,
+    /// How many of the samples so far show an object, for each pixel of a picture with a transparent background.
+    pub(crate) coverage: Vec<u8>,
     /// The exposure that metered pictures keep, if one was held.
     pub(crate) held: Option<f64>,
     /// Whether rays do not run through the pixels' centres.

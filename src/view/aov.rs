@@ -50,7 +50,8 @@ impl Layer {
 /// Writes the picture as the layer `picture`, followed by the other layers.
 pub fn save(picture: &Picture, layers: &[Layer], path: &Path) -> Result<()> {
     let size = (picture.width, picture.height);
-    let first = Layer::vector("picture", ["R", "G", "B"], &picture.pixels);
+    let mut first = Layer::vector("picture", ["R", "G", "B"], &picture.pixels);
+    first.channels.extend(picture.alpha.clone().map(|alpha| ("A", Samples::Float(alpha))));
     let layer = |layer: &Layer| {
         let channel = |(name, samples): &(&'static str, Samples)| {
             let flat = match samples {

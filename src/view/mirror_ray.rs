@@ -104,9 +104,22 @@ pub fn bright_density(data: &Buffers, direction: [f32; 3]) -> f64 {
 pub fn mirror_ray(data: &Buffers, light: &Light, pixel: usize, seen: &Seen, params: &ObjectParams) -> Light {
     let place = match light.kind {
         LIGHT_BRIGHT_RAY => bright(data, light, pixel),
-        _ => drawn(square_point(data, light, pixel), seen.normal, seen.eye, params),
+        _ => {
+            let params = ObjectParams { roughness: drawn_shape(data, light, pixel, params), ..*params };
+            drawn(square_point(data, light, pixel), seen.normal, seen.eye, &params)
+        }
     };
     Light { kind: LIGHT_SKY_RAY, place, ..*light }
+}
+
+/// The shape of the lobe from which a pixel draws this ray.
+fn drawn_shape(data: &Buffers, light: &Light, pixel: usize, params: &ObjectParams) -> f32 {
+    if params.second_share == 0.0 {
+        return params.roughness;
+    }
+    let point = data.camera[0].sample_number.wrapping_mul(light.of).wrapping_add(light.number);
+    let second = unit_random(random4(pixel as u32, light.kind, point, 2)[0]) < params.second_share;
+    if second { params.second_roughness } else { params.roughness }
 }
 
 /// The direction drawn by this point of the unit square.

@@ -4,6 +4,7 @@ pub mod accumulate;
 pub mod aov;
 pub mod atomic_file;
 pub mod backdrop;
+pub mod film;
 pub mod mirror_ray;
 pub mod picture;
 pub mod pixel_receivers;

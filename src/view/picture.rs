@@ -14,7 +14,7 @@ use crate::scene::Tone;
 /// ```
 /// use milkglass::Picture;
 ///
-/// let grey = Picture { width: 2, height: 1, pixels: vec![[0.5; 3]; 2], exposure: 2.0, tone: Default::default() };
+/// let grey = Picture { exposure: 2.0, ..Picture::plain(2, 1, vec![[0.5; 3]; 2]) };
 /// assert_eq!(grey.bytes(), [255; 6]);
 /// ```
 #[derive(Clone, Debug)]
@@ -25,6 +25,9 @@ pub struct Picture {
     pub height: usize,
     /// Linear radiance, row by row from the top.
     pub pixels: Vec<[f32; 3]>,
+    /// The share of each pixel that shows an object, 0 to 1, which its radiance is multiplied by already; none where
+    /// the picture is opaque.
+    pub alpha: Option<Vec<f32>>,
     /// Factor on radiance before the tone curve of a PNG, above 0.
     pub exposure: f64,
     /// Tone curve of a PNG.
@@ -81,9 +84,12 @@ pub(super) fn byte(radiance: f32, exposure: f64, tone: Tone) -> u8 {
     (encode(if tone == Tone::Filmic { filmic(exposed) } else { exposed }) * 255.0 + 0.5) as u8
 }
 
-/// Writes sRGB bytes, row by row from the top, as `.png`. The file appears whole or not at all.
+/// Writes sRGB bytes, row by row from the top, as `.png`: three a pixel, or four, the last of which is alpha. The file
+/// appears whole or not at all.
 pub fn save_png(path: &Path, [width, height]: [usize; 2], bytes: &[u8]) -> Result<()> {
-    let (color, format) = (image::ExtendedColorType::Rgb8, image::ImageFormat::Png);
+    let alpha = bytes.len() == 4 * width * height;
+    let color = if alpha { image::ExtendedColorType::Rgba8 } else { image::ExtendedColorType::Rgb8 };
+    let format = image::ImageFormat::Png;
     encode_atomically(path, |file| {
         image::write_buffer_with_format(file, bytes, width as u32, height as u32, color, format)
             .map_err(|e| e.to_string())
@@ -97,30 +103,57 @@ pub fn is_png(path: &Path) -> bool {
 }
 
 impl Picture {
-    /// Linear radiance, shown as it is: exposure 1, no tone curve.
+    /// Linear radiance, opaque, shown as it is: exposure 1, no tone curve.
     pub fn plain(width: usize, height: usize, pixels: Vec<[f32; 3]>) -> Self {
-        Self { width, height, pixels, exposure: 1.0, tone: Tone::Clip }
+        Self { width, height, pixels, alpha: None, exposure: 1.0, tone: Tone::Clip }
     }
 
     /// The picture as sRGB, 8 bits per channel, row by row from the top: exposure, tone curve, sRGB curve, rounding.
+    /// What is transparent stands before black.
     pub fn bytes(&self) -> Vec<u8> {
         let shown = |x: &f32| byte(*x, self.exposure, self.tone);
         self.pixels.iter().flat_map(|pixel| pixel.iter().map(shown)).collect()
     }
 
+    /// The same with alpha, four bytes a pixel: the colours are those of the objects alone, not multiplied by alpha.
+    fn straight(&self, alpha: &[f32]) -> Vec<u8> {
+        let pixels = self.pixels.iter().zip(alpha);
+        let shown = |(pixel, &alpha): (&[f32; 3], &f32)| {
+            let [r, g, b] = pixel.map(|x| byte(if alpha > 0.0 { x / alpha } else { 0.0 }, self.exposure, self.tone));
+            [r, g, b, (f64::from(alpha) * 255.0 + 0.5) as u8]
+        };
+        pixels.flat_map(shown).collect()
+    }
+
     /// Writes a `.png` (sRGB, 8 bits per channel) or a linear `.exr`; the extension decides, and a device such as
-    /// `/dev/stdout` gets a PNG. The file appears whole or not at all.
+    /// `/dev/stdout` gets a PNG. The colours of a transparent picture are multiplied by alpha in an EXR and not in a
+    /// PNG, as these formats define. The file appears whole or not at all.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
         match kind(path)? {
-            Kind::Png => save_png(path, [self.width, self.height], &self.bytes()),
+            Kind::Png => {
+                let bytes = self.alpha.as_ref().map_or_else(|| self.bytes(), |alpha| self.straight(alpha));
+                save_png(path, [self.width, self.height], &bytes)
+            }
             Kind::Exr => encode_atomically(path, |file| {
-                let pixel = |at: Vec2<usize>| {
-                    let [r, g, b] = self.pixels[at.y() * self.width + at.x()];
-                    (r, g, b)
-                };
-                let image = Image::from_channels((self.width, self.height), SpecificChannels::rgb(pixel));
-                image.write().non_parallel().to_buffered(file).map_err(|e| e.to_string())
+                let size = (self.width, self.height);
+                let place = |at: Vec2<usize>| at.y() * self.width + at.x();
+                let color = |at: Vec2<usize>| self.pixels[place(at)].into();
+                match &self.alpha {
+                    None => Image::from_channels(size, SpecificChannels::rgb(color))
+                        .write()
+                        .non_parallel()
+                        .to_buffered(file),
+                    Some(alpha) => {
+                        let pixel = |at: Vec2<usize>| {
+                            let (r, g, b) = color(at);
+                            (r, g, b, alpha[place(at)])
+                        };
+                        let image = Image::from_channels(size, SpecificChannels::rgba(pixel));
+                        image.write().non_parallel().to_buffered(file)
+                    }
+                }
+                .map_err(|e| e.to_string())
             }),
         }
     }
@@ -139,7 +172,7 @@ fn kind(path: &Path) -> Result<Kind> {
         other => Err(Input::new("a picture's name says its format")
             .key("-o")
             .found(other.map_or_else(|| "no ending".to_string(), |e| format!(".{e}")))
-            .expected(".png or .exr")
+            .expected(".png or .exr; .gif with --frames or --turntable")
             .into()),
     }
 }

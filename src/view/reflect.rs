@@ -1,11 +1,11 @@
 //! Stage `reflect`: reflection of lights and environment at the surface, times the Fresnel reflectance of the
 //! material's boundary, 1 - F_t.
 //!
-//! GGX: D G F / (4 (n.v) (n.l)), F at the facet. Phong: (m + 2) / (2 pi) cos^m F, F at the normal, cos from the mirror
-//! direction. The environment is a sum over rays that each pixel and sample draws anew ([`mirror_ray`]): by the facets
-//! that the eye sees or about the mirror direction, and where the environment is bright; each is divided by the density
-//! of all. The interpolated vertex normal is used, on the visible side of the triangle; where it faces away at a
-//! silhouette, n.v counts as |n.v|.
+//! GGX: D G F / (4 (n.v) (n.l)), F at the facet, of two lobes by their shares. Phong: (m + 2) / (2 pi) cos^m F, F at
+//! the normal, cos from the mirror direction. The environment is a sum over rays that each pixel and sample draws anew
+//! ([`mirror_ray`]): by the facets that the eye sees or about the mirror direction, and where the environment is
+//! bright; each is divided by the density of all. The interpolated vertex normal is used, on the visible side of the
+//! triangle; where it faces away at a silhouette, n.v counts as |n.v|.
 
 use std::f64::consts::{PI, TAU};
 
@@ -51,13 +51,28 @@ fn drawn_lobe(params: &ObjectParams, [normal, eye]: [DVec3; 2], direction: DVec3
     let (shape, along) = (f64::from(params.roughness), normal.dot(eye));
     let (seen, cosine) = (along.abs(), normal.dot(direction).max(0.0));
     if params.reflection == REFLECTION_GGX {
-        let facet = facets(shape, normal.dot((above(normal, eye) + direction).normalize_or_zero()));
-        let slope = (shape * shape + (1.0 - shape * shape) * seen * seen).sqrt();
-        return [cosine * facet * masking(shape, seen, cosine), 0.5 * facet / (seen + slope)];
+        let facet = normal.dot((above(normal, eye) + direction).normalize_or_zero());
+        let density = |alpha: f64| {
+            let slope = (alpha * alpha + (1.0 - alpha * alpha) * seen * seen).sqrt();
+            0.5 * facets(alpha, facet) / (seen + slope)
+        };
+        return [cosine * microfacets(params, facet, [seen, cosine]), both(params, density)];
     }
     let mirrored = (2.0 * along * normal - eye).dot(direction).max(0.0);
     let lobe = (shape + 2.0) / TAU * mirrored.powf(shape);
     [cosine * lobe, facets((4.0 / (shape + 3.0)).sqrt(), mirrored) * mirrored]
+}
+
+/// The mean of both lobes' values by their shares, from that of a lobe by its alpha.
+fn both(params: &ObjectParams, value: impl Fn(f64) -> f64) -> f64 {
+    let share = f64::from(params.second_share);
+    let second = if share > 0.0 { value(params.second_roughness.into()) } else { 0.0 };
+    (1.0 - share) * value(params.roughness.into()) + share * second
+}
+
+/// D G / (4 (n.v) (n.l)) of both lobes, by the cosines of the angles of facet, eye and light to the normal.
+fn microfacets(params: &ObjectParams, facet: f64, [seen, light]: [f64; 2]) -> f64 {
+    both(params, |alpha| facets(alpha, facet) * masking(alpha, seen, light))
 }
 
 /// The direction to the eye, taken to be above the surface, as its facets are.
@@ -107,7 +122,7 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
         }
         let (lobe, met) = if ggx {
             let facet = (eye + toward).normalize_or_zero();
-            (facets(shape, normal.dot(facet)) * masking(shape, seen, cosine), eye.dot(facet))
+            (microfacets(params, normal.dot(facet), [seen, cosine]), eye.dot(facet))
         } else {
             ((shape + 2.0) / TAU * mirror.dot(toward).max(0.0).powf(shape), cosine)
         };
@@ -157,7 +172,8 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (lights, rays) = data.pixel_lights.split_at(camera.lights as usize);
     for (object, params) in (0u32..).zip(&data.object_params).filter(|(_, params)| params.reflection != REFLECTION_NONE)
     {
-        let (ggx, push) = (u32::from(params.reflection == REFLECTION_GGX), object.to_le_bytes());
+        let lobes = 1 + u32::from(params.second_share > 0.0);
+        let (ggx, push) = (if params.reflection == REFLECTION_GGX { lobes } else { 0 }, object.to_le_bytes());
         if !lights.iter().all(sky_ray) {
             pass.dispatch(Some("lights"), &[shadows, ggx], &push, pixels)?;
         }
@@ -192,7 +208,7 @@ mod tests {
             let across = (1.0 - z * z).sqrt();
             let way = DVec3::new(across * cosine, across * sine, z);
             let lobe = if params.reflection == REFLECTION_GGX {
-                facets(shape, (eye + way).normalize().z) * masking(shape, eye.z, z)
+                microfacets(params, (eye + way).normalize().z, [eye.z, z])
             } else {
                 (shape + 2.0) / TAU * mirror.dot(way).max(0.0).powf(shape)
             };
@@ -207,7 +223,10 @@ mod tests {
         let mut sum = [0.0; 2];
         for k in 0..rays {
             let square = SQUARE_STEPS.map(|step| unit_random(k.wrapping_mul(step)));
-            let way = wide(drawn(square, [0.0, 0.0, 1.0], narrow(eye), params));
+            // Of a hundred rays as many come from the second lobe as its share says.
+            let second = ((k * 37 % 100) as f32) < 100.0 * params.second_share;
+            let roughness = if second { params.second_roughness } else { params.roughness };
+            let way = wide(drawn(square, [0.0, 0.0, 1.0], narrow(eye), &ObjectParams { roughness, ..*params }));
             assert!((way.length() - 1.0).abs() < 1e-5, "{way}");
             let [lobe, density] = drawn_lobe(params, [DVec3::Z, eye], way);
             let weight = lobe / density.max(1e-30);
@@ -230,6 +249,22 @@ mod tests {
                 };
                 let (few, many) = (off(64), off(4096));
                 assert!(few < 0.1 && many < 2e-3, "{reflection}, {roughness}, {seen}: {few} {many}");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_of_two_lobes_have_the_mean_of_both() {
+        let lobes = ObjectParams { reflection: REFLECTION_GGX, roughness: 0.45, ..ObjectParams::default() };
+        let lobes = ObjectParams { second_roughness: 0.25, second_share: 0.3, ..lobes };
+        for seen in [0.3, 0.9_f64] {
+            let eye = DVec3::new((1.0 - seen * seen).sqrt(), 0.0, seen);
+            let (sum, found) = (exact(&lobes, eye), along_rays(&lobes, eye, 40_000));
+            let alone = |roughness| exact(&ObjectParams { roughness, second_share: 0.0, ..lobes }, eye);
+            let (first, second) = (alone(0.45), alone(0.25));
+            for c in [0, 1] {
+                assert!((sum[c] - 0.7 * first[c] - 0.3 * second[c]).abs() < 1e-6 && first[c] != second[c]);
+                assert!((found[c] / sum[c] - 1.0).abs() < 5e-3, "{seen}: {found:?} {sum:?}");
             }
         }
     }

@@ -65,7 +65,7 @@ mod tests {
             let values: Vec<f32> =
                 tones.iter().copied().flat_map(near).chain([0.0, -0.0, -1.0, 1e38, f32::INFINITY]).collect();
             for x in values {
-                let picture = Picture { width: 1, height: 1, pixels: vec![[x; 3]], exposure, tone };
+                let picture = Picture { exposure, tone, ..Picture::plain(1, 1, vec![[x; 3]]) };
                 let step = tones.partition_point(|&least| least <= x) as u8;
                 assert_eq!(picture.bytes()[0], step, "{x:e} at {exposure}, {tone:?}");
             }

@@ -121,6 +121,52 @@ fn surroundings_light_a_mesh() {
     assert!(corner[0] > 60 && corner[0] > 2 * corner[1], "{corner:?}");
 }
 
+/// Hundredths of a second and sRGB bytes of the frames of a GIF.
+fn frames(path: &Path) -> Vec<(u16, Vec<u8>)> {
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut film = options.read_info(std::fs::File::open(path).unwrap()).unwrap();
+    assert_eq!(film.repeat(), gif::Repeat::Infinite);
+    let rgb = |frame: &gif::Frame<'_>| frame.buffer.chunks(4).flat_map(|pixel| pixel[..3].to_vec()).collect();
+    std::iter::from_fn(|| film.read_next_frame().unwrap().map(|frame| (frame.delay, rgb(frame)))).collect()
+}
+
+#[test]
+fn a_turntable_goes_round_a_scene() {
+    let ball =
+        "[[object]]\nshape = 'slab'\ndetail = 2\nposition = [30, 0, 0]\nsize = 9\nmaterial = { preset = 'skin1' }\n";
+    let scene = format!(
+        "[camera]\nsize = [24, 24]\nbackground = 'none'\n[[light]]\ntype = 'directional'\ndirection = [0, 0, 1]\nirradiance = 3\n{ball}"
+    );
+    let here = folder(&[("s.toml", &scene)]);
+    good(&here, "render s.toml -o t%d.png --turntable 2 --device cpu");
+    good(&here, "render s.toml -o one.png --device cpu");
+    assert!(bytes(&here, "t0.png") == bytes(&here, "one.png"));
+    // From behind: in the middle again, without the light of the front.
+    let light = |name: &str| pixels(&here.path().join(name)).get_pixel(12, 12).0[0];
+    let alpha = |name: &str| image::open(here.path().join(name)).unwrap().into_rgba8().get_pixel(12, 12).0[3];
+    assert!(alpha("t0.png") == 255 && alpha("t1.png") == 255);
+    assert!(light("t0.png") > light("t1.png") + 30, "{} {}", light("t0.png"), light("t1.png"));
+
+    let run = "render s.toml --turntable 2 --device cpu -o";
+    bad(&here, &format!("{run} a.gif"), 2, &["s.toml:3: camera.background: a GIF holds", "found \"none\""]);
+    let cases: [(&str, &[&str]); 3] = [
+        ("render s.toml -o a.gif", &["found .gif", "with --frames or --turntable"]),
+        ("render s.toml -o a.gif --frames 0..1 --skip-existing", &["--skip-existing: a GIF is written as a whole"]),
+        ("render s.toml -o a.gif --frames 0..1 --aov", &["--aov: only OpenEXR has layers"]),
+    ];
+    for (line, words) in cases {
+        bad(&here, line, 2, words);
+    }
+    good(&here, "render s.toml -o a.gif --frames 0..0 --fps 0.001 --set camera.background=0 --device cpu");
+    let film = frames(&here.path().join("a.gif"));
+    assert!(film.len() == 1 && film[0].0 == u16::MAX, "a frame of at most 655 seconds");
+    let sizes = "camera.size={keyframes=[[0,[8,8]],[1,[9,8]]]}";
+    let line = format!("render s.toml -o b.gif --frames 0..1 --device cpu --set camera.background=0 --set {sizes}");
+    bad(&here, &line, 2, &["camera.size: the frames of a GIF have one size", "found 9 x 8"]);
+    assert!(!here.path().join("b.gif").exists());
+}
+
 #[test]
 fn a_turntable_goes_round() {
     let here = folder(&[("sheet.obj", &sheet())]);
@@ -128,6 +174,15 @@ fn a_turntable_goes_round() {
     assert_eq!(names(here.path()), ["sheet.obj", "t-00.png", "t-01.png", "t-02.png", "t-03.png"]);
     good(&here, "render sheet.obj -o one.png --size 32x32 --samples 2");
     let at = |name: &str| pixels(&here.path().join(name));
+    // One film of them all, with each one's size, colours and time.
+    good(&here, "render sheet.obj -o t.gif --size 32x32 --samples 2 --turntable 4 --fps 8");
+    let film = frames(&here.path().join("t.gif"));
+    assert_eq!(film.iter().map(|(delay, _)| delay).sum::<u16>(), 50);
+    for (number, (_, pixels)) in film.iter().enumerate() {
+        let still = at(&format!("t-{number:02}.png")).into_raw();
+        let off: u32 = still.iter().zip(pixels).map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
+        assert!(pixels.len() == still.len() && off < 4 * still.len() as u32, "frame {number}: {off}");
+    }
     assert!(at("t-00.png") == at("one.png") && at("t-01.png") != at("t-00.png") && at("t-02.png") != at("t-00.png"));
 }
 

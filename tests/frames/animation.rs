@@ -141,6 +141,6 @@ fn a_file_alone_lists_its_animations_and_plays_them() {
     assert!(bytes(&here, "a.png") != bytes(&here, "rest.png"));
     let run = "render a.gltf -o a.png --device cpu";
     bad(&here, &format!("{run} --animation Leam"), 2, &["did you mean `Lean`?; found Leam; expected Lean"]);
-    bad(&here, &format!("{run} --set fps=3"), 2, &["fps: the scene plays no animation"]);
+    bad(&here, &format!("{run} --set fps=0"), 2, &["fps: out of range; found 0"]);
     bad(&here, &format!("{run} --animation Lean --fps 0"), 2, &["fps: out of range; found 0; expected 0.001"]);
 }

@@ -211,6 +211,131 @@ fn the_environment_stands_behind_the_object() {
 }
 
 #[test]
+fn a_transparent_picture_before_any_background_is_the_picture_with_it() {
+    for samples in ["camera.samples=1", "camera.samples=5"] {
+        let render = |background: &str| {
+            let mut session = session(&[samples, &format!("camera.background={background}")]);
+            picture(&mut session).unwrap()
+        };
+        let (clear, black, green) = (render("none"), render("0"), render("[0, 2, 0]"));
+        let alpha = clear.alpha.unwrap();
+        assert!(black.alpha.is_none() && clear.pixels == black.pixels);
+        assert_eq!((alpha[0], alpha[20 * 48 + 24]), (0.0, 1.0));
+        let edges = alpha.iter().filter(|&&a| a > 0.0 && a < 1.0).count();
+        assert_eq!(edges > 40, samples.ends_with('5'), "{edges} pixels at the edge");
+        for ((clear, alpha), green) in clear.pixels.iter().zip(alpha).zip(&green.pixels) {
+            let composed = clear[1] + (1.0 - alpha) * 2.0;
+            assert!((composed - green[1]).abs() < 1e-5 && clear[0] == green[0], "{clear:?} {alpha} {green:?}");
+        }
+    }
+}
+
+#[test]
+fn a_reflection_in_two_lobes_is_the_mean_of_both() {
+    let pixels = |lobes: &str| {
+        let look = format!("object.0.material={{ preset = 'skin1', reflection = 'ggx', {lobes} }}");
+        session(&["light.0.direction=[0.2, 0.6, 1]", &look]).picture().unwrap().pixels
+    };
+    let both = pixels("roughness = 0.45, second_roughness = 0.25, second_share = 0.3");
+    let (wide, narrow) = (pixels("roughness = 0.45"), pixels("roughness = 0.25"));
+    let mut apart = 0;
+    for ((both, wide), narrow) in both.iter().zip(&wide).zip(&narrow) {
+        let mean = 0.7 * wide[1] + 0.3 * narrow[1];
+        assert!((both[1] - mean).abs() < 1e-5 * mean.max(1.0), "{both:?} {wide:?} {narrow:?}");
+        apart += u32::from((wide[1] - narrow[1]).abs() > 0.01 * mean);
+    }
+    assert!(apart > 100, "the lobes look alike at all but {apart} pixels");
+    let half = pixels("roughness = 0.45, second_roughness = 0.25");
+    assert!(half == pixels("roughness = 0.45, second_roughness = 0.25, second_share = 0.5") && half != both);
+}
+
+/// The share of each pixel of the middle row that shows a plane which faces the camera at this distance and ends in the
+/// middle of the picture.
+fn edge(distance: f64, lens: &str) -> Vec<f32> {
+    let sets = [
+        "object.0={ shape = 'plane', detail = 1, size = 40, rotation = [90, 0, 0], position = [20, 0, 0], \
+         material = { opaque = true } }"
+            .to_string(),
+        format!(
+            "camera={{ position = [0, 0, {distance}], target = [0, 0, 0], fov = 8, size = [64, 8], samples = 64, background = 'none', {lens} }}"
+        ),
+    ];
+    let mut session = Session::new(&Scene::load_with("sphere", &sets).unwrap(), None, Options::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let alpha = picture(&mut session).unwrap().alpha.unwrap();
+    alpha[4 * 64..5 * 64].to_vec()
+}
+
+#[test]
+fn a_lens_blurs_by_its_circle_of_confusion() {
+    let sharp = edge(20.0, "aperture = 0");
+    assert!(sharp[..32].iter().all(|&a| a == 0.0) && sharp[32..].iter().all(|&a| a == 1.0), "{sharp:?}");
+    // What is in focus stays sharp and where it is, by default the target.
+    for lens in ["aperture = 5", "aperture = 5, focus = 20"] {
+        assert_eq!(edge(20.0, lens), sharp, "{lens}");
+    }
+    // Behind and before what is in focus: pixels within the circle are covered by its segment.
+    for focus in [10.0, 40.0_f64] {
+        let blurred = edge(20.0, &format!("aperture = 5, focus = {focus}"));
+        let pixels_at = 8.0 / (2.0 * 20.0 * 4f64.to_radians().tan());
+        let radius = 0.5 * 5.0 * (20.0 - focus).abs() / focus * pixels_at;
+        for (column, alpha) in blurred.iter().enumerate() {
+            let x = ((column as f64 - 31.5) / radius).clamp(-1.0, 1.0);
+            let covered = 0.5 + (x * (1.0 - x * x).sqrt() + x.asin()) / PI;
+            // 64 samples, and half a pixel where the slope is steepest.
+            let slack = 0.05 + 1.0 / (PI * radius);
+            assert!((f64::from(*alpha) - covered).abs() < slack, "{focus}: {column} {alpha} {covered}");
+        }
+        assert!(blurred.iter().filter(|&&a| a > 0.0 && a < 1.0).count() as f64 > 2.0 * radius - 2.0);
+    }
+}
+
+/// The pixels of an EXR file that has alpha.
+fn rgba(path: &std::path::Path) -> Vec<[f32; 4]> {
+    let make = |size: exr::prelude::Vec2<usize>, _: &_| vec![vec![[0.0; 4]; size.width()]; size.height()];
+    let set = |rows: &mut Vec<Vec<[f32; 4]>>, at: exr::prelude::Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
+        rows[at.y()][at.x()] = [r, g, b, a];
+    };
+    let image = exr::prelude::read_first_rgba_layer_from_file(path, make, set).unwrap();
+    image.layer_data.channel_data.pixels.concat()
+}
+
+#[test]
+fn a_png_has_straight_alpha_and_an_exr_premultiplied() {
+    let here = folder(&[("odd.toml", "[camera]\n\nbackground = 'nothing'\n")]);
+    let ball = "render sphere --set object.0.detail=2 --device cpu --size 24x20 --samples 4";
+    for end in ["png", "exr"] {
+        good(&here, &format!("{ball} --background none -o a.{end}"));
+    }
+    good(&here, &format!("{ball} --background none --aov -o layers.exr"));
+    good(&here, &format!("{} --background none -o device.png", ball.replace("--device cpu ", "")));
+    let png = image::open(here.path().join("a.png")).unwrap();
+    assert_eq!(png.color(), image::ColorType::Rgba8);
+    let png = png.into_rgba8();
+    let exr = rgba(&here.path().join("a.exr"));
+    let mut edges = 0;
+    for (shown, linear) in png.pixels().zip(exr) {
+        let alpha = linear[3];
+        assert_eq!(shown.0[3], (alpha * 255.0 + 0.5) as u8);
+        edges += u32::from(alpha > 0.0 && alpha < 1.0);
+        for c in 0..3 {
+            let straight = if alpha > 0.0 { linear[c] / alpha } else { 0.0 };
+            let wanted = (255.0 * milkglass::internals::view::picture::encode(straight.into()) + 0.5) as u8;
+            assert!(shown.0[c].abs_diff(wanted) <= 1, "{shown:?} {linear:?}");
+        }
+    }
+    assert!(edges > 15 && png.get_pixel(0, 0).0 == [0; 4] && png.get_pixel(12, 10).0[3] == 255, "{edges}");
+    let device = image::open(here.path().join("device.png")).unwrap().into_rgba8();
+    assert!(device.pixels().zip(png.pixels()).all(|(a, b)| a.0[3] == b.0[3]), "a device covers other pixels");
+    let layers = exr::prelude::read_all_flat_layers_from_file(here.path().join("layers.exr")).unwrap();
+    let first = &layers.layer_data[0];
+    let names: Vec<String> = first.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
+    assert_eq!(names, ["A", "B", "G", "R"]);
+    bad(&here, "render odd.toml -o b.png", 2, &["odd.toml:3: ", "\"environment\" or \"none\""]);
+    bad(&here, &format!("{ball} --background clear -o b.png"), 2, &["camera.background=clear", "found string"]);
+}
+
+#[test]
 fn a_filmic_picture_keeps_its_highlights_and_exr_stays_linear() {
     let here = folder(&[]);
     for tone in ["clip", "filmic"] {
@@ -238,9 +363,22 @@ fn bad_looks_are_named() {
             "object.0.material={preset='apple',reflection='phong',shininess=1001}",
             &["shininess", "found 1001", "a whole number from 1 to 1000"],
         ),
+        ("object.0.material.second_roughness=0.3", &["second_roughness", "found reflection = \"none\"", "\"ggx\""]),
+        (
+            "object.0.material={preset='skin1',reflection='ggx',second_share=0.3}",
+            &["material.second_share: the share of a lobe that is missing", "found 0.3", "second_roughness beside it"],
+        ),
+        (
+            "object.0.material={preset='skin1',reflection='ggx',second_roughness=2}",
+            &["material.second_roughness: out of range", "found 2", "0.001 to 1"],
+        ),
+        (
+            "object.0.material={preset='skin1',reflection='ggx',second_roughness=0.2,second_share=1.5}",
+            &["material.second_share: out of range", "found 1.5", "expected 0 to 1"],
+        ),
         ("object.0.material.normalize_exit=3", &["invalid type", "found integer `3`", "expected"]),
         ("camera.background=environment", &["camera.background: no light is an environment", "[[light]] of type"]),
-        ("camera.background=sky", &["found string \"sky\"", "a number, [r, g, b] or \"environment\""]),
+        ("camera.background=sky", &["found string \"sky\"", "a number, [r, g, b], \"environment\" or \"none\""]),
         ("camera.tone=flimic", &["unknown value, did you mean `filmic`?", "found flimic", "expected clip, filmic"]),
         ("camera.background=[1,2]", &["invalid length 2"]),
         ("camera.background=-1", &["camera.background: out of range; found [-1, -1, -1]"]),

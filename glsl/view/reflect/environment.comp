@@ -7,7 +7,7 @@
 // The environment's reflection: a sum of its image along rays, each divided by the density of all in its direction
 // (Veach and Guibas 1995).
 layout(constant_id = 0) const uint SHADOWS = 0;
-layout(constant_id = 1) const uint GGX = 0;
+layout(constant_id = 1) const uint GGX = 0;    // number of its lobes; 0: Phong's
 layout(constant_id = 2) const uint COUNT = 1;  // rays drawn from the lobe
 layout(constant_id = 3) const uint BRIGHT = 0; // rays drawn from where the environment is bright, after those
 layout(push_constant, scalar) uniform push_block { uint object; }; // whose pixels this dispatch shades
@@ -54,11 +54,16 @@ void main() {
     vec3 sum = vec3(0);
     for (uint k = 0; k < COUNT + BRIGHT; ++k) {
         Light ray = pixel_lights[camera[0].lights + k];
-        vec3 direction = mirror_ray(ray, pixel, s, shape, GGX != 0).place;
+        float drawn = GGX == 2 ? drawn_shape(ray, pixel, object) : shape;
+        vec3 direction = mirror_ray(ray, pixel, s, drawn, GGX != 0).place;
         float cosine = max(dot(s.normal, direction), 0.0), met = cosine;
         if (GGX != 0) met = sqrt(max(0.5 + 0.5 * dot(upper, direction), 0.0));
         vec2 lobe = GGX != 0 ? facet_lobe(shape, s.normal, abs(along), upper, direction)
                              : phong_lobe(shape, mirror, direction);
+        if (GGX == 2) {
+            vec2 second = facet_lobe(object_params[object].second_roughness, s.normal, abs(along), upper, direction);
+            lobe = mix(lobe, second, object_params[object].second_share);
+        }
         float density = float(COUNT) * lobe.y;
         if (BRIGHT != 0) density += float(BRIGHT) * bright_density(direction);
         float weight = cosine * lobe.x / max(density, 1e-30) * reaches(ray, pixel);

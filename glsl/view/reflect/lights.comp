@@ -6,7 +6,7 @@
 
 // The reflections of lights that have a position or a direction, if they reach the point.
 layout(constant_id = 0) const uint SHADOWS = 0;
-layout(constant_id = 1) const uint GGX = 0;
+layout(constant_id = 1) const uint GGX = 0; // number of its lobes; 0: Phong's
 layout(push_constant, scalar) uniform push_block { uint object; }; // whose pixels this dispatch shades
 READS(object_params)
 READS(camera)
@@ -45,6 +45,11 @@ void main() {
             vec3 facet = unit(s.toward + toward);
             met = dot(s.toward, facet);
             lobe = facet_density(alpha, s.normal, facet) * masking(alpha, seen, cosine);
+            if (GGX == 2) {
+                float other = object_params[object].second_roughness;
+                float second = facet_density(other, s.normal, facet) * masking(other, seen, cosine);
+                lobe = mix(lobe, second, object_params[object].second_share);
+            }
         } else {
             vec3 mirror = 2.0 * signed_seen * s.normal - s.toward;
             met = cosine;

@@ -154,7 +154,8 @@ fn paint(layer: &Values, scene: &Scene, seen: impl Fn(usize) -> bool) -> (Pictur
     match layer.name {
         "irradiance" | "radiosity" => {
             let pixels = pixels.map(|pixel| vector(pixel).map(|x| x as f32)).collect();
-            (Picture { width, height, pixels, exposure: camera.exposure, tone: camera.tone }, Vec::new())
+            let picture = Picture::plain(width, height, pixels);
+            (Picture { exposure: camera.exposure, tone: camera.tone, ..picture }, Vec::new())
         }
         "normal" => {
             let color = |[x, y, z]: [f64; 3]| {

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use milkglass::error::Result;
-use milkglass::internals::view::picture::save_png;
 use milkglass::measure::profile::trace;
 
 use super::Viewer;
@@ -35,11 +34,7 @@ impl Viewer {
         let light = self.frames.layer() == Layer::Light;
         match output {
             Output::Png | Output::Exr if !light => self.frames.inspector.save(&file)?,
-            Output::Png => {
-                let size = scene.camera.size.map(|side| side as usize);
-                save_png(&file, size, &self.frames.full().shown()?)?;
-            }
-            Output::Exr => self.frames.full().picture()?.save(&file)?,
+            Output::Png | Output::Exr => self.frames.full().save(&file)?,
             Output::Scene => write(&file, self.edits.written()?)?,
             Output::Trace => {
                 let (device, frames) = (&self.device, &self.frames.history.frames);
