@@ -132,14 +132,14 @@ const PLANTED: &[Planted] = &[
     ("scan.glsl", "link", ["sums[self] = own;\n    barrier();", "sums[self] = own;"], Kind::Race, "SUM other"),
     ("scan.glsl", "link", ["sums[self - step] :", "sums[self - step - 1] :"], Kind::Bounds, "SUM other"),
     (
-        "transport/blocks/gather/direct",
+        "transport/blocks/direct.glsl",
         "gather",
-        ["            barrier();\n            for", "            for"],
+        ["        barrier();\n        for", "        for"],
         Kind::Race,
         "all += sums[",
     ),
     (
-        "transport/blocks/gather/direct",
+        "transport/blocks/direct.glsl",
         "gather",
         ["BLOCK_RECEIVERS + slot] = sum;", "BLOCK_RECEIVERS + slot + 1] = sum;"],
         Kind::Bounds,
@@ -148,7 +148,10 @@ const PLANTED: &[Planted] = &[
     (
         "transport/blocks/gather/direct",
         "gather",
-        ["vec3 all = vec3(0),", "vec3 all,"],
+        [
+            "all_errors;\n    if (!sum_of_runs(self, all, all_errors)) return;\n    received[self.face] = only_group(all,",
+            "all_errors, other;\n    if (!sum_of_runs(self, all, all_errors)) return;\n    received[self.face] = only_group(other,",
+        ],
         Kind::Undefined,
         "received[self.face] = only_group",
     ),

@@ -1,6 +1,6 @@
 // The emitters of a block's list for direct evaluation, summed at each of its receivers. Neighbouring invocations that
-// share a block load one emitter each, and shuffle them. Each run of DIRECT_RUN emitters is summed by itself, then these
-// sums are, in their order: so runs may be summed at once.
+// share a block load one emitter each, and shuffle them. Each run of DIRECT_RUN emitters is summed by itself, then
+// these sums are, in their order: so runs may be summed at once.
 layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = TEAMS_ID) const uint TEAMS = 1; // invocations that share a receiver: 1, or the group has one block
 #include "transport/blocks/gather/receiver.glsl"
