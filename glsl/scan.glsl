@@ -1,4 +1,4 @@
-// A prefix sum by one work group. Each invocation owns a run of the elements and contributes its sum. The includer
+// A prefix sum by one work group. Each invocation contributes a sum, of a run of the elements for example. The includer
 // defines SUM, the type of the elements: integers, so that the order of additions does not matter.
 layout(constant_id = WIDE_ID) const uint SCAN_SIZE = 256; // its invocations: a power of two
 layout(local_size_x = 256, local_size_x_id = WIDE_ID) in;

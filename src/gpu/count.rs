@@ -6,8 +6,8 @@
 //! comparisons, minima, maxima and conversions are not counted. Loads and stores count the bytes of buffers that they
 //! name. Every instruction is noted, too, so that coverage knows which were executed.
 //!
-//! Each invocation also adds up what it goes through one after the other, instructions and loads; the most of each,
-//! over the invocations of a dispatch, say how long that takes at least, however wide the device is.
+//! Each invocation also adds up what it goes through one after the other, instructions and loads, whatever they work
+//! on. The most of each, over the invocations of a dispatch, say about how long that takes, however wide the device is.
 
 mod code;
 mod read;
@@ -78,7 +78,7 @@ pub(super) fn counted(words: &[u32]) -> Option<Counted> {
 
 /// What each block of a module does when it runs once, in their order.
 fn blocks(module: &Module<'_>, words: &[u32]) -> Vec<Block> {
-    let (mut all, mut function, mut chains) = (Vec::<Block>::new(), 0, Chains::new());
+    let (mut all, mut function, mut chains) = (Vec::<Block>::new(), 0, Chains::default());
     let declared: BTreeSet<Code> = instructions(words).filter_map(Code::declared).collect();
     for instruction in instructions(words) {
         match (instruction.op, instruction.operands) {
@@ -88,7 +88,7 @@ fn blocks(module: &Module<'_>, words: &[u32]) -> Vec<Block> {
                 // What a module declares is used once the kernel begins.
                 let codes = if entry { declared.clone() } else { BTreeSet::new() };
                 all.push(Block { entry, codes, ..Block::default() });
-                chains.clear();
+                chains = Chains::default();
             }
             _ => {
                 if let Some(block) = all.last_mut() {

@@ -14,6 +14,7 @@ use milkglass::measure::profile::{Open, Settings, against, profile};
 use milkglass::scene::Scene;
 
 static COUNT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-count.spv"));
+static WAITS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-waits.spv"));
 static CHAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-chain.spv"));
 
 #[test]
@@ -68,6 +69,18 @@ fn the_longest_chain_of_loads_is_counted() {
                 assert!(lag % steps == 0 && (3..30).contains(&(lag / steps)), "{lag} over {steps} steps");
             }
         }
+    });
+}
+
+#[test]
+fn waits_in_a_group_come_one_after_the_other() {
+    on_devices(|device| {
+        let mut buffers = [[100u32, 0].iter().flat_map(|n| n.to_ne_bytes()).collect(), vec![0; 256]];
+        let alone = SingleKernel { name: "waits", spirv: WAITS, constants: &[] };
+        let tally = alone.tally(device, &mut buffers, 64).unwrap().unwrap();
+        assert_eq!(buffers[1][..4], 103u32.to_ne_bytes());
+        assert_eq!((tally.longest.loads, tally.longest.shared), (1, 5), "{}", device.name());
+        assert_eq!((tally.chains.loads, tally.chains.shared), (64, 64 * 5), "{}", device.name());
     });
 }
 

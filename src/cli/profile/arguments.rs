@@ -73,7 +73,7 @@ pub struct Arguments {
     /// timed; the device at hand counts the work and the longest chains.
     #[arg(long = "as", value_name = "MODEL",
           conflicts_with_all = ["compare", "against", "replace", "why", "save", "trace", "roofline", "history", "frames",
-                                "until", "budget", "seed"])]
+                                "until", "budget", "seed", "serve"])]
     pub(super) model: Option<String>,
     #[command(flatten)]
     pub(super) gate: Gate,
@@ -240,19 +240,16 @@ impl Arguments {
         };
         let lanes = self.model.as_ref().map(|_| u32::MAX);
         let device = match device {
-            Some(device) if timed == Timed::Steps && lanes.is_some() => {
-                Some(device.opened_as(&Choices { lanes, ..device.choices().clone() })?)
-            }
-            device if timed == Timed::Steps => device,
-            Some(device) if device.limits().timestamp_period == 0.0 => {
+            device if timed == Timed::Steps && lanes.is_none() => device,
+            Some(device) if device.limits().timestamp_period == 0.0 && lanes.is_none() => {
                 let fault = Input::new("times kernels by the device's timestamps").key(self.by.option());
                 return Err(fault.found(format!("none of {}", device.name())).into());
             }
-            Some(device) => Some(device.opened_as(&Choices {
-                timed,
-                lanes: lanes.or(device.choices().lanes),
-                ..device.choices().clone()
-            })?),
+            Some(device) => {
+                let lanes = lanes.or(device.choices().lanes);
+                Some(device.opened_as(&Choices { timed, lanes, ..device.choices().clone() })?)
+            }
+            None if timed == Timed::Steps => None,
             None => {
                 let fault = Input::new("times kernels of a Vulkan device").key(self.by.option()).found("the CPU");
                 return Err(fault.expected("a device that `milkglass devices` lists").into());

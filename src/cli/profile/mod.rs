@@ -41,6 +41,7 @@ use milkglass::scene::Scene;
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.check()?;
     ready(arguments.files())?;
+    let model = arguments.model.as_deref().map(Model::read).transpose()?;
     arguments.history.iter().try_for_each(|path| history::ready(path))?;
     if let [first, second] = arguments.compare.as_slice() {
         let (one, two) = (read(first)?, read(second)?);
@@ -51,10 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if settings.options.mode == Mode::Incremental && settings.change == Change::EVERYTHING && !arguments.serve {
         tell!("mode incremental: nothing moves, so each frame only checks its links and makes no new ones");
     }
-    let earlier = match arguments.compare.first() {
-        Some(path) => Some((read(path)?, path)),
-        None => None,
-    };
+    let earlier = arguments.compare.first().map(|path| read(path).map(|saved| (saved, path))).transpose()?;
     if let Some(program) = &arguments.against {
         return builds(arguments, program, &settings);
     }
@@ -68,8 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return serve(&scene, device.as_ref(), &settings);
     }
     arguments.suits(device.as_ref())?;
-    if let (Some(model), Some(device)) = (&arguments.model, &device) {
-        return predicted::run(arguments, &Model::read(model)?, &scene, device, &settings);
+    if let (Some(model), Some(device)) = (&model, &device) {
+        return predicted::run(arguments, model, &scene, device, &settings);
     }
     let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)], false)?.map(|(device, _)| device);
     let mut comparison = match &own {
@@ -240,7 +238,7 @@ fn works(arguments: &Arguments, scene: &Scene, devices: [&Device; 2], edited: &[
     let names: BTreeSet<&str> = counted.iter().flat_map(|stages| stages.keys().map(String::as_str)).collect();
     for stage in names {
         let [before, after] = [0, 1].map(|k| counted[k].get(stage).copied().unwrap_or_default());
-        if edited.iter().any(|name| name == stage) || before != after {
+        if edited.iter().any(|name| name == stage) || before.counts() != after.counts() {
             text += &work_told(stage, [before, after]);
             held.extend(arguments.gate.work(stage, [before, after]));
             all.push(json!({"stage": stage, "before": before, "after": after}));

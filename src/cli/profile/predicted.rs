@@ -18,16 +18,16 @@ pub(super) fn run(
     let found = predict(scene, device, settings, model)?;
     check_messages(Some(device))?;
     print(&text(&found))?;
-    arguments.csv.iter().try_for_each(|path| write(path, table(&found).csv()?))
+    arguments.csv.iter().try_for_each(|path| write(path, sheet(&found).csv()?))
 }
 
 fn text(found: &Prediction) -> String {
     let (device, submissions) = (found.us(), found.submissions as f64 * found.model.submission_us);
     format!(
         "{} as on {}: predicted, not measured; counted on {}\n\
-         a frame: {:.0} us on the device, {} submissions {submissions:.0} us\n\n\
-         instructions: of all invocations, in millions; of the longest invocation of each dispatch: steps, instructions that wait\n\
-         for one another; loads of buffers, likewise; shared, loads of shared memory, barriers and exchanges. Then us: launches\n\
+         a frame: {:.0} us on the device; submissions: {}, {submissions:.0} us\n\n\
+         instructions: of all invocations, in millions; the most of any invocation, dispatch after dispatch: steps, instructions\n\
+         that wait for one another; loads of buffers, likewise; shared, loads of shared memory, barriers, exchanges. Then us: launches\n\
          and barriers; dispatches bound by issue, by residence (how many invocations the device holds) and by their chain\n\n{}",
         found.scene,
         found.model.name,
@@ -57,8 +57,34 @@ fn table(found: &Prediction) -> Table {
             ("residence", "", &|row| us(row.residence_us)),
             ("chain", "", &|row| us(row.chain_us)),
             ("us", "", &|row| us(row.us())),
-            ("share", "", &|row| format!("{:.1} %", 100.0 * row.us() / whole)),
+            ("share", "", &|row| format!("{:.1} %", 100.0 * row.us() / whole.max(f64::MIN_POSITIVE))),
             ("bound by", "", &|row| row.bound().to_string()),
+        ],
+    )
+}
+
+/// All numbers as they are.
+fn sheet(found: &Prediction) -> Table {
+    Table::of(
+        &found.rows,
+        &[
+            ("scene", "", &|_: &Predicted| found.scene.clone()),
+            ("model", "", &|_| found.model.name.clone()),
+            ("counted_on", "", &|_| found.counted_on.clone()),
+            ("stage", "", &|row| row.stage.clone()),
+            ("dispatches", "", &|row| row.dispatches.to_string()),
+            ("barriers", "", &|row| row.barriers.to_string()),
+            ("invocations", "", &|row| row.invocations.to_string()),
+            ("instructions", "", &|row| row.instructions.to_string()),
+            ("longest_steps", "", &|row| row.longest_steps.to_string()),
+            ("longest_loads", "", &|row| row.longest_loads.to_string()),
+            ("longest_shared", "", &|row| row.longest_shared.to_string()),
+            ("launches_us", "", &|row| row.launches_us.to_string()),
+            ("issue_us", "", &|row| row.issue_us.to_string()),
+            ("residence_us", "", &|row| row.residence_us.to_string()),
+            ("chain_us", "", &|row| row.chain_us.to_string()),
+            ("us", "", &|row| row.us().to_string()),
+            ("bound_by", "", &|row| row.bound().to_string()),
         ],
     )
 }

@@ -19,7 +19,9 @@ fn millions(count: u64) -> String {
 
 /// The changes in a stage's exact counts from one kernel to another, in a line.
 pub(super) fn work_told(stage: &str, [before, after]: [Work; 2]) -> String {
-    let arithmetic = |work: Work| [("flop", work.flops), ("div", work.roots), ("exp", work.exps)];
+    let arithmetic = |work: Work| {
+        [("flop", work.flops), ("div", work.roots), ("exp", work.exps), ("instructions", work.instructions)]
+    };
     let bytes = |work: Work| [("loads", work.loaded), ("stores", work.stored)];
     let in_millions = |count: u64| format!("{} M", millions(count));
     let mut all = Vec::new();
@@ -34,7 +36,7 @@ pub(super) fn work_told(stage: &str, [before, after]: [Work; 2]) -> String {
         other.iter().map(|(name, one, two, [a, b])| format!("{name} {a} -> {b}{}", change(*one, *two))).collect();
     if other.is_empty() {
         let counts: Vec<String> = same.iter().map(|(name, .., [text, _])| format!("{name} {text}")).collect();
-        return format!("work of {stage}: the same: {}; integers are not counted\n", counts.join(", "));
+        return format!("work of {stage}: the same: {}\n", counts.join(", "));
     }
     if !same.is_empty() {
         let names: Vec<&str> = same.iter().map(|(name, ..)| *name).collect();
@@ -129,18 +131,17 @@ mod tests {
         let told = |after: Work| work_told("gather", [before, after]);
         assert_eq!(
             told(Work { flops: 492_800_000, ..before }),
-            "work of gather: flop 479.8 M -> 492.8 M (+2.7 %), div, exp, loads, stores unchanged\n"
+            "work of gather: flop 479.8 M -> 492.8 M (+2.7 %), div, exp, instructions, loads, stores unchanged\n"
         );
         // What rounds to nothing is told, too.
         assert_eq!(
             told(Work { flops: 479_800_012, roots: 3_000_000, loaded: 1 << 20, ..before }),
             "work of gather: flop 479.8 M -> 479.8 M (+12), div 0.0 M -> 3.0 M, loads 2048.0 KiB -> 1024.0 KiB (-50.0 %), \
-             exp, stores unchanged\n"
+             exp, instructions, stores unchanged\n"
         );
         assert_eq!(
             told(before),
-            "work of gather: the same: flop 479.8 M, div 0.0 M, exp 15.5 M, loads 2048.0 KiB, stores 1024.0 KiB; integers are \
-             not counted\n"
+            "work of gather: the same: flop 479.8 M, div 0.0 M, exp 15.5 M, instructions 0.0 M, loads 2048.0 KiB, stores 1024.0 KiB\n"
         );
     }
 }

@@ -21,8 +21,13 @@ pub(super) struct Module<'a> {
     glsl: u32,
 }
 
-/// For each value of a block: what it comes from, one after the other, as [`Chain`](super::Chain) has it.
-pub(super) type Chains = BTreeMap<u32, [u32; CHAIN]>;
+/// What the values of a block come from, one after the other, as [`Chain`](super::Chain) has it.
+#[derive(Default)]
+pub(super) struct Chains {
+    of: BTreeMap<u32, [u32; CHAIN]>,
+    /// What came before the last barrier, for which all that follows waits.
+    floor: [u32; CHAIN],
+}
 
 /// How large a type is.
 #[derive(Clone, Copy)]
@@ -159,11 +164,15 @@ impl<'a> Module<'a> {
         let Instruction { op: Some(op), operands, .. } = instruction else { return };
         let issued = self.issued(op, operands);
         block.instructions += issued;
-        let before = |kind: usize| operands.iter().filter_map(|id| Some(chains.get(id)?[kind])).max().unwrap_or(0);
-        let mut chain: [u32; CHAIN] = std::array::from_fn(before);
+        if op == Op::ControlBarrier {
+            block.chain[2] += 1;
+            *chains = Chains { of: BTreeMap::new(), floor: block.chain };
+            return;
+        }
+        let known = values_among(op, operands).iter().filter_map(|id| chains.of.get(id));
+        let mut chain = known.fold(chains.floor, |all, own| std::array::from_fn(|kind| all[kind].max(own[kind])));
         chain[0] += if issued == 0 { 0 } else { self.special(op, operands).unwrap_or(1) };
         match (op, operands) {
-            (Op::ControlBarrier, _) => block.chain[2] += 1,
             (op, _) if exchanges(op) => chain[2] += 1,
             (op, [_, _, pointer, ..]) if matches!(op, Op::Load | Op::AtomicLoad) || replaces(op) => {
                 chain[1] += u32::from(self.pointers.contains_key(pointer));
@@ -171,14 +180,12 @@ impl<'a> Module<'a> {
             }
             _ => {}
         }
-        for (most, own) in block.chain.iter_mut().zip(chain) {
-            *most = (*most).max(own);
-        }
-        // A store has no result, and its second operand is not one.
+        block.chain = std::array::from_fn(|kind| block.chain[kind].max(chain[kind]));
         if let [_, id, ..] = operands
+            && self.values.contains_key(id)
             && !matches!(op, Op::Store | Op::AtomicStore)
         {
-            chains.insert(*id, chain);
+            chains.of.insert(*id, chain);
         }
     }
 
@@ -251,6 +258,18 @@ impl<'a> Module<'a> {
     fn components_of(&self, argument: Option<&u32>, otherwise: u32) -> u32 {
         argument.and_then(|value| self.values.get(value)).map_or(otherwise, |ty| self.size(*ty).components)
     }
+}
+
+/// The operands of an instruction that may be values, not literal numbers.
+fn values_among(op: Op, operands: &[u32]) -> &[u32] {
+    let range = match op {
+        Op::CompositeExtract | Op::Load => 2..3,
+        Op::CompositeInsert | Op::VectorShuffle => 2..4,
+        Op::Store => 0..2,
+        Op::ExtInst => 4..operands.len(),
+        _ => 0..operands.len(),
+    };
+    operands.get(range).unwrap_or_default()
 }
 
 /// Whether an instruction exchanges values within a subgroup.

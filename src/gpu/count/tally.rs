@@ -74,6 +74,8 @@ impl Chain {
 /// What a kernel has done.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
+    /// Its dispatches.
+    pub dispatches: u64,
     /// Invocations, whole groups.
     pub invocations: u64,
     /// Additions and multiplications of floats.
@@ -100,7 +102,7 @@ pub struct Tally {
 impl Tally {
     /// What the blocks have done together in a dispatch, each having run `counts` times.
     pub(in super::super) fn new(blocks: &[Block], counts: &[u64], longest: Chain) -> Self {
-        let mut tally = Self { longest, ..Self::default() };
+        let mut tally = Self { dispatches: 1, longest, ..Self::default() };
         for (block, &count) in blocks.iter().zip(counts) {
             tally.invocations += if block.entry { count } else { 0 };
             tally.flops += count * u64::from(block.flops);
@@ -119,8 +121,15 @@ impl Tally {
         tally
     }
 
+    /// So many further dispatches have counted here, none of which has a longer chain.
+    pub(in super::super) fn repeat(&mut self, further: u64) {
+        self.dispatches += further;
+        self.longest.add(further, self.longest);
+    }
+
     /// Adds what another dispatch has done.
     pub fn add(&mut self, other: &Self) {
+        self.dispatches += other.dispatches;
         self.invocations += other.invocations;
         self.flops += other.flops;
         self.roots += other.roots;

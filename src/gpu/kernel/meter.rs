@@ -1,6 +1,6 @@
 //! The counters of a kernel: a range of one buffer for each of its dispatches.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::Kernel;
@@ -9,7 +9,8 @@ use crate::gpu::count::{Block, Chain, Counted, Tally, counted};
 use crate::gpu::logical_device::LogicalDevice;
 use crate::gpu::memory::Buffer;
 
-/// Most dispatches that have counters of their own; those beyond share the last one's.
+/// Most dispatches that have counters of their own; those beyond share the last one's, and the longest of them counts
+/// for each.
 const MOST: usize = 256;
 /// Every device binds buffers from multiples of so many bytes.
 const ALIGNMENT: usize = 256;
@@ -25,6 +26,8 @@ pub(in super::super) struct Meter {
     counters: Buffer,
     /// The numbers of the dispatches since the last reading.
     dispatches: RefCell<Vec<u64>>,
+    /// How many dispatches share the last range with its own.
+    beyond: Cell<u64>,
 }
 
 impl Meter {
@@ -32,7 +35,7 @@ impl Meter {
         let bytes = MOST * Self::stride(&blocks);
         let counters = Buffer::new(device, "counters", bytes as u64)?;
         counters.upload(&vec![0; bytes])?;
-        Ok(Self { blocks, counters, dispatches: RefCell::default() })
+        Ok(Self { blocks, counters, dispatches: RefCell::default(), beyond: Cell::new(0) })
     }
 
     /// Bytes from one range to the next.
@@ -45,6 +48,8 @@ impl Meter {
         let mut dispatches = self.dispatches.borrow_mut();
         if dispatches.len() < MOST {
             dispatches.push(NEXT.fetch_add(1, Ordering::Relaxed));
+        } else {
+            self.beyond.set(self.beyond.get() + 1);
         }
         let stride = Self::stride(&self.blocks) as u64;
         (&self.counters, (dispatches.len() as u64 - 1) * stride, stride)
@@ -65,7 +70,11 @@ impl Meter {
             let counts: Vec<u64> = counts.chunks(2).map(|both| u64::from(both[1]) << 32 | u64::from(both[0])).collect();
             Tally::new(&self.blocks, &counts, Chain::of([longest[0], longest[1], longest[2]]))
         };
-        Ok(dispatches.into_iter().zip(words.chunks(stride).map(tally)).collect())
+        let mut tallies: Vec<(u64, Tally)> = dispatches.into_iter().zip(words.chunks(stride).map(tally)).collect();
+        if let Some((_, last)) = tallies.last_mut() {
+            last.repeat(self.beyond.take());
+        }
+        Ok(tallies)
     }
 }
 

@@ -1,29 +1,31 @@
 //! How long a frame would take on another device: counted work and chains, by a few fixed figures of that device.
 //!
-//! A dispatch takes at least as long as each of three things: issuing all instructions at the device's rate; the waits
-//! of all invocations, shared out over as many as the device holds at a time; and the chain, what its longest
-//! invocation waits for. The largest counts, with what launches and barriers cost. Left out are divergent branches,
-//! loads of scattered words, which take turns, and memory beyond the cache: neither how long it takes nor how much it
-//! moves.
+//! A dispatch takes about as long as the largest of three things: issuing all instructions at the device's rate; the
+//! waits of all invocations, shared out over as many as the device holds at a time; and the chain: the most steps,
+//! loads and waits of any invocation, added. Launches and barriers come on top. Left out are divergent branches, loads
+//! of scattered words, which take turns, and memory beyond the cache: neither how long it takes nor how much it moves.
 
-use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use super::work::{counted, row_of};
+use super::work::{Counted, counted, row_of};
 use super::{Settings, variant};
-use crate::error::{Error, Input, Result};
+use crate::error::{Input, Result};
 use crate::gpu::count::{Chain, Tally};
 use crate::gpu::{Device, Timing};
+use crate::pipeline::plan::ShadingMethod;
 use crate::scene::{Scene, from_toml};
 
+/// Most bytes of a device's file.
+const MOST: u64 = 1 << 16;
 /// The devices that are known by name.
 const KNOWN: &[(&str, &str)] =
     &[("h100", include_str!("models/h100.toml")), ("navi21", include_str!("models/navi21.toml"))];
 
 /// A device, as far as predictions know it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
     /// Its name.
@@ -51,7 +53,7 @@ pub struct Model {
 }
 
 /// What a stage or a kernel would take, microseconds a frame.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Predicted {
     /// Its name.
     pub stage: String,
@@ -80,7 +82,7 @@ pub struct Predicted {
 }
 
 /// A frame as another device would take it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
     /// The device.
     pub model: Model,
@@ -102,17 +104,10 @@ impl Model {
 
     /// The device of this name, or that a file describes.
     pub fn read(name: &str) -> Result<Self> {
-        let (text, path) = match KNOWN.iter().find(|(known, _)| *known == name) {
-            Some((_, text)) => ((*text).to_string(), Path::new(name)),
-            None => {
-                let path = Path::new(name);
-                let fault = |error: std::io::Error| {
-                    let names: Vec<&str> = Self::names().collect();
-                    let fault = Input::new(format!("no such device, and no file: {error}")).key("--as").found(name);
-                    Error::from(fault.expected(format!("{}, or a TOML file that describes one", names.join(", "))))
-                };
-                (std::fs::read_to_string(path).map_err(fault)?, path)
-            }
+        let path = Path::new(name);
+        let text = match KNOWN.iter().find(|(known, _)| *known == name) {
+            Some((_, text)) => (*text).to_string(),
+            None => read_file(path)?,
         };
         let model: Self = toml::from_str(&text).map_err(|error| from_toml(&error, &text, path))?;
         let wrong = model.figures().into_iter().find(|(_, figure)| !(figure.is_finite() && *figure > 0.0));
@@ -154,9 +149,29 @@ impl Model {
     }
 }
 
+/// The text of a file.
+fn read_file(path: &Path) -> Result<String> {
+    let fault = |error: std::io::Error| {
+        if error.kind() != std::io::ErrorKind::NotFound {
+            return Input::new(format!("the device's figures could not be read: {error}")).file(path);
+        }
+        let names: Vec<&str> = Model::names().collect();
+        let fault = Input::new("no such device and no such file").key("--as").found(path.display());
+        fault.expected(format!("{}, or a TOML file that describes one", names.join(", ")))
+    };
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(fault)?;
+    file.take(MOST + 1).read_to_string(&mut text).map_err(fault)?;
+    if text.len() as u64 > MOST {
+        return Err(Input::new("too long").file(path).expected(format!("at most {MOST} bytes")).into());
+    }
+    Ok(text)
+}
+
 impl Predicted {
     /// Adds a dispatch.
     fn add(&mut self, model: &Model, tally: &Tally) {
+        self.dispatches += usize::try_from(tally.dispatches).unwrap_or(usize::MAX);
         self.invocations += tally.invocations;
         self.instructions += tally.instructions;
         self.longest_steps += tally.longest.steps;
@@ -202,27 +217,34 @@ impl Prediction {
 /// A frame of this scene as a device of this model would take it, counted on another one. Kernels share their work as
 /// they do on the device that counts: [`Choices::lanes`](crate::gpu::Choices) says how wide.
 pub fn predict(scene: &Scene, device: &Device, settings: &Settings, model: &Model) -> Result<Prediction> {
-    let mut plain = variant(scene, Some(device), settings)?.session;
-    let before = device.submissions();
-    let steps = plain.frame(settings.change)?;
-    let submissions = device.submissions() - before;
-    let (session, tallies) = counted(scene, &device.counting(), settings, &mut plain)?;
-    let mut rows: Vec<Predicted> = Vec::new();
-    let mut places: BTreeMap<String, usize> = BTreeMap::new();
-    for Timing { name, dispatches, barriers, .. } in steps.iter().filter(|step| step.dispatches > 0) {
-        let place = *places.entry(name.clone()).or_insert(rows.len());
-        if place == rows.len() {
-            rows.push(Predicted { stage: name.clone(), ..Predicted::default() });
-        }
-        let row = &mut rows[place];
-        row.dispatches += dispatches;
-        row.barriers += barriers;
-        row.launches_us += *dispatches as f64 * model.dispatch_us + *barriers as f64 * model.barrier_us;
+    if settings.options.transport == ShadingMethod::Octree {
+        let fault = Input::new("predicts what a device runs, not the host").key("--as").found("octree");
+        return Err(fault.expected("another --transport").into());
     }
+    let mut plain = variant(scene, Some(device), settings)?.session;
+    // A frame as others are, after those that fill buffers.
+    let before = device.submissions();
+    plain.frame(settings.change)?;
+    let submissions = device.submissions() - before;
+    let Counted { session, steps, tallies } = counted(scene, &device.counting(), settings, &mut plain)?;
+    let mut rows: Vec<Predicted> = Vec::new();
     for (kernel, tally) in tallies {
-        if let Some(row) = row_of(&session, &kernel).and_then(|name| places.get(&name)) {
-            rows[*row].add(model, &tally);
+        let Some(name) = row_of(&session, &kernel) else { continue };
+        let place = rows.iter().position(|row| row.stage == name).unwrap_or(rows.len());
+        if place == rows.len() {
+            rows.push(Predicted { stage: name, ..Predicted::default() });
         }
+        rows[place].add(model, &tally);
+    }
+    for row in &mut rows {
+        let own = |count: fn(&Timing) -> usize| -> usize {
+            steps.iter().filter(|step| step.name == row.stage).map(count).sum()
+        };
+        let (dispatches, barriers) = (own(|step| step.dispatches), own(|step| step.barriers));
+        // What the host waits for in between is not told by steps: each dispatch has a barrier there.
+        row.barriers = if dispatches > 0 { barriers } else { row.dispatches };
+        row.dispatches = row.dispatches.max(dispatches);
+        row.launches_us = row.dispatches as f64 * model.dispatch_us + row.barriers as f64 * model.barrier_us;
     }
     let (counted_on, scene) = (device.name().to_string(), scene.name.clone());
     Ok(Prediction { model: model.clone(), counted_on, scene, rows, submissions })

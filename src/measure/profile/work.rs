@@ -8,10 +8,10 @@ use super::agreement::agreement;
 use super::{Settings, result, variant};
 use crate::error::{Error, Result};
 use crate::gpu::count::{Tally, Traffic};
-use crate::gpu::{Device, Timed};
+use crate::gpu::{Device, Timed, Timing};
 use crate::layout::{BUFFER_IDS, BufferId};
 use crate::pipeline::frame::owner;
-use crate::pipeline::plan::Change;
+use crate::pipeline::plan::{Change, Mode};
 use crate::scene::Scene;
 use crate::session::requirements::union;
 use crate::session::run::Session;
@@ -68,10 +68,10 @@ pub(super) fn of(
     settings: &Settings,
     plain: &mut Session,
 ) -> Result<BTreeMap<String, Work>> {
-    let (session, counted) = counted(scene, device, settings, plain)?;
+    let Counted { session, tallies, .. } = counted(scene, device, settings, plain)?;
     let bound = bound(&session, settings)?;
     let mut stages: BTreeMap<String, Tally> = BTreeMap::new();
-    for (kernel, tally) in counted {
+    for (kernel, tally) in tallies {
         if let Some(name) = row_of(&session, &kernel) {
             stages.entry(name).or_default().add(&tally);
         }
@@ -84,27 +84,38 @@ pub(super) fn of(
     Ok(stages.into_iter().map(work).collect())
 }
 
-/// What each dispatch of a frame of this scene has done, after its kernel's name, on a device with instrumented
-/// kernels, and the session that counted; the result must be that of the session `plain`.
-pub(super) fn counted(
-    scene: &Scene,
-    device: &Device,
-    settings: &Settings,
-    plain: &mut Session,
-) -> Result<(Session, Vec<(String, Tally)>)> {
+/// A frame that was counted.
+pub(super) struct Counted {
+    /// The session that ran it.
+    pub(super) session: Session,
+    /// Its steps, or its kernels.
+    pub(super) steps: Vec<Timing>,
+    /// What each of its dispatches has done, after the kernel's name.
+    pub(super) tallies: Vec<(String, Tally)>,
+}
+
+/// Counts a frame of this scene, on a device with instrumented kernels; the result must be that of the session `plain`.
+pub(super) fn counted(scene: &Scene, device: &Device, settings: &Settings, plain: &mut Session) -> Result<Counted> {
     // Instrumented kernels are slow: the first frame serves as the measured one if the others would be the same.
     let mut session = Session::new(scene, Some(device), settings.options)?;
-    session.frame(Change::EVERYTHING)?;
-    let mut counted = session.tallies()?;
-    if settings.change != Change::EVERYTHING || session.retries() + session.relinks() > 0 {
-        session.frame(settings.change)?;
-        counted = session.tallies()?;
+    let frame =
+        |session: &mut Session, change: Change| -> Result<_> { Ok((session.frame(change)?, session.tallies()?)) };
+    let (mut steps, mut tallies) = frame(&mut session, Change::EVERYTHING)?;
+    let keeps = settings.options.mode != Mode::OnTheFly;
+    if keeps || settings.change != Change::EVERYTHING || session.retries() + session.relinks() > 0 {
+        (steps, tallies) = frame(&mut session, settings.change)?;
     }
     same_work(&mut session, plain)?;
-    Ok((session, counted))
+    Ok(Counted { session, steps, tallies })
 }
 
 impl Work {
+    /// The same but for chains, which are estimates.
+    #[must_use]
+    pub fn counts(self) -> Self {
+        Self { longest_steps: 0, longest_loads: 0, longest_shared: 0, ..self }
+    }
+
     /// What was counted, where so many bytes of each buffer are bound.
     fn new(tally: &Tally, bound: impl Fn(BufferId) -> u64) -> Self {
         let mut work = Self {
