@@ -170,7 +170,7 @@ impl<'a> Builder<'a> {
             (Op::Undef, _) => self.undefined(ty)?,
             (Op::ConstantComposite | Op::SpecConstantComposite, parts) => {
                 let parts = parts.iter().map(|part| self.numbers(*part)).collect::<Decoded<Vec<_>>>()?;
-                parts.concat()
+                self.whole(ty, &parts)?
             }
             (Op::SpecConstantOp, [what, operands @ ..]) => {
                 let what = Op::from_u32(*what).ok_or("it computes a constant in a way that is not known")?;
@@ -182,6 +182,12 @@ impl<'a> Builder<'a> {
         };
         self.global.insert(id, Value::Numbers(ty, numbers));
         Ok(())
+    }
+
+    /// The numbers of a value that is put together of these parts; an error if they are not as many as its type has.
+    pub(super) fn whole(&self, ty: u32, parts: &[Vec<u32>]) -> Decoded<Vec<u32>> {
+        let (count, given) = (self.types.count(ty)? as usize, parts.iter().map(Vec::len).sum::<usize>());
+        if given == count { Ok(parts.concat()) } else { Err(format!("it makes {count} numbers of {given}")) }
     }
 
     /// The value of an expression of constants.
@@ -253,6 +259,9 @@ impl<'a> Builder<'a> {
                 let input =
                     self.types.decoration(id, Decoration::BuiltIn).ok_or("it has an input that is not built in")?;
                 let count = self.types.count(to)?;
+                if count != numbers_of(input) {
+                    return Err(format!("it has {count} numbers for the built-in value {input}"));
+                }
                 let first = self.registers(count);
                 self.code.inputs.push((input, first));
                 Root::Registers(first)
@@ -379,5 +388,17 @@ impl<'a> Builder<'a> {
             block.acts.push(act);
             block.at.push(site);
         }
+    }
+}
+
+/// How many numbers a built-in value of compute has; 0 of all others.
+fn numbers_of(input: u32) -> u32 {
+    use BuiltIn as B;
+    match BuiltIn::from_u32(input) {
+        Some(B::WorkgroupId | B::NumWorkgroups | B::LocalInvocationId | B::GlobalInvocationId) => 3,
+        Some(B::LocalInvocationIndex | B::SubgroupId | B::NumSubgroups) => 1,
+        Some(B::SubgroupLocalInvocationId | B::SubgroupSize) => 1,
+        Some(B::SubgroupEqMask | B::SubgroupGeMask | B::SubgroupGtMask | B::SubgroupLeMask | B::SubgroupLtMask) => 4,
+        _ => 0,
     }
 }

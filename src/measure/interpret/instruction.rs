@@ -35,7 +35,8 @@ impl Builder<'_> {
             (Op::Undef, _) => self.undefined(ty)?,
             (Op::CopyObject | Op::CopyLogical | Op::Bitcast, [value]) => self.numbers(*value)?,
             (Op::CompositeConstruct, parts) => {
-                parts.iter().map(|part| self.numbers(*part)).collect::<Decoded<Vec<_>>>()?.concat()
+                let parts = parts.iter().map(|part| self.numbers(*part)).collect::<Decoded<Vec<_>>>()?;
+                self.whole(ty, &parts)?
             }
             (Op::CompositeExtract, [value, path @ ..]) => {
                 let (of, all) = self.typed(*value)?;
