@@ -95,6 +95,23 @@ fn a_frame_is_predicted_for_another_device() {
     bad(&here, &format!("{one} h100 --by dispatch"), 2, &["--as: predicts stages", "expected --by kernel"]);
     bad(&here, &format!("{one} h100 --device cpu"), 2, &["--as: measures a Vulkan device"]);
     bad(&here, &format!("{one} h100 --why"), 2, &["--as", "--why"]);
+    bad(&here, &format!("{one} h100 --fail-work 1%"), 2, &["--as", "--fail-work"]);
+}
+
+#[cfg(feature = "shaderc")]
+#[test]
+fn a_kernel_of_the_users_own_is_predicted_beside_the_built_in_one() {
+    let here = folder(&[]);
+    let (source, _) = good(&here, "shader transport/blocks/push");
+    // The work twice: the second write has the same values.
+    let own = source.replacen("void main()", "void once()", 1) + "void main() { once(); once(); }\n";
+    std::fs::write(here.path().join("own.comp"), own).unwrap();
+    let line = format!("profile {SMALL} --as h100 --by kernel --replace transport/blocks/push=own.comp");
+    let (out, _) = good(&here, &line);
+    let told = out.lines().find(|line| line.starts_with("with the built-in kernels: ")).unwrap();
+    assert!(told.contains("us; transport/blocks/push ") && !told.contains(','), "{out}");
+    let words = ["--replace: kernels are compared by stage", "found --by kernel"];
+    bad(&here, &line.replace("--as h100 ", ""), 2, &words);
 }
 
 #[test]

@@ -24,9 +24,10 @@ uint found(uint k) { return pool[k]; }
 // noted, or NONE.
 uint visit(uint node, out uint word);
 
-// All invocations of the group walk from the root. Returns false if the pool may have been too small for all words.
-// `cut`: not all nodes were visited, either: the driver has ended the loop, or the tree is too deep.
-bool walk_together(out bool cut) {
+// All invocations of the group walk from the root, through the nodes from `begin` to `end` in the order of the tree, and
+// those above them. Returns false if the pool may have been too small for all words. `cut`: not all nodes were visited,
+// either: the driver has ended the loop, or the tree is too deep.
+bool walk_part(uint begin, uint end, out bool cut) {
     uint self = gl_LocalInvocationIndex, top = 1;
     bool noted = true;
     if (self == 0) {
@@ -47,24 +48,75 @@ bool walk_together(out bool cut) {
         if (self < taken) {
             uint word, right = visit(node, word);
             if (right != 0) {
-                uint at = POOL - 1 - top - 2 * atomicAdd(pushed[round % 3], 1);
-                pool[at] = right;
-                pool[at - 1] = node + 1;
-            } else if (word != NONE) {
+                // The left child's nodes end before the right child; a child that ends before `begin` notes nothing.
+                bool goes_left = right > begin && node + 1 < end, goes_right = right < end;
+                uint at = POOL - 1 - top - atomicAdd(pushed[round % 3], uint(goes_left) + uint(goes_right));
+                if (goes_right) pool[at] = right;
+                if (goes_left) pool[at - uint(goes_right)] = node + 1;
+            } else if (word != NONE && node >= begin) {
                 uint at = atomicAdd(found_count, 1);
                 if (noted) pool[at] = word;
             }
         }
         barrier();
-        top += 2 * pushed[round % 3];
+        top += pushed[round % 3];
     }
     cut = top != 0;
     return noted && !cut;
 }
 
-// Sorts the words that were found, by all invocations of the group: Batcher's bitonic sort, arranged so that the
-// smaller word always goes to the front, and words beyond the last need not exist.
-void sort_found(uint count) {
+bool walk_together(out bool cut) { return walk_part(0, NONE, cut); }
+
+const uint SORTED_RUN = 64;
+const uint SORTED = 4 * SORTED_RUN; // four runs are searched at once: none waits for the other
+
+uvec4 words_at(uvec4 at) { return uvec4(pool[at.x], pool[at.y], pool[at.z], pool[at.w]); }
+
+// 1 where a word is smaller, else 0.
+uvec4 less(uvec4 words, uint word) { return uvec4(lessThan(words, uvec4(word))); }
+
+uint sum_of(uvec4 v) { return v.x + v.y + (v.z + v.w); }
+
+// How many of the words of four sorted runs are smaller than this one.
+uint smaller(uint word, uint first) {
+    const uvec4 begin = first + SORTED_RUN * uvec4(0, 1, 2, 3);
+    uvec4 at = begin;
+    at += 32 * less(words_at(at + 31), word);
+    at += 16 * less(words_at(at + 15), word);
+    at += 8 * less(words_at(at + 7), word);
+    at += 4 * less(words_at(at + 3), word);
+    at += 2 * less(words_at(at + 1), word);
+    at += less(words_at(at), word);
+    return sum_of(at + less(words_at(at), word) - begin);
+}
+
+// Sorts words, all of them different, with room for a copy: each run by counting which of it are smaller; then a word's
+// place is how many are smaller in all runs. NONE fills the last runs.
+void sort_by_counting(uint count) {
+    const uint copy = POOL / 2;
+    uint filled = (count + SORTED - 1) & ~(SORTED - 1);
+    for (uint k = count + gl_LocalInvocationIndex; k < filled; k += LANES) pool[k] = pool[copy + k] = NONE;
+    barrier();
+    for (uint k = gl_LocalInvocationIndex; k < count; k += LANES) {
+        uint word = pool[k], first = k & ~(SORTED_RUN - 1);
+        uvec4 place = uvec4(0);
+        for (uint other = first; other < first + SORTED_RUN; other += 8) {
+            place += less(words_at(other + uvec4(0, 1, 2, 3)), word) + less(words_at(other + uvec4(4, 5, 6, 7)), word);
+        }
+        pool[copy + first + sum_of(place)] = word;
+    }
+    barrier();
+    for (uint k = gl_LocalInvocationIndex; k < count; k += LANES) {
+        uint word = pool[copy + k], place = 0;
+        for (uint first = 0; first < count; first += SORTED) place += smaller(word, copy + first);
+        pool[place] = word;
+    }
+    barrier();
+}
+
+// Sorts without a copy: Batcher's bitonic sort, arranged so that the smaller word always goes to the front, and words beyond the last
+// need not exist.
+void sort_in_place(uint count) {
     for (uint run = 2; run < 2 * count; run *= 2) {
         for (uint apart = run / 2; apart > 0; apart /= 2) {
             for (uint k = gl_LocalInvocationIndex; k < (count + run) / 2; k += LANES) {
@@ -79,4 +131,9 @@ void sort_found(uint count) {
             barrier();
         }
     }
+}
+
+void sort_found(uint count) {
+    if (count > POOL / 2) sort_in_place(count);
+    else sort_by_counting(count);
 }

@@ -67,13 +67,13 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["against", "compare"])]
     pub(super) why: bool,
     /// Time stages, each kernel, or each of its dispatches.
-    #[arg(long, value_enum, default_value_t = By::Stage, conflicts_with_all = ["against", "replace", "why"])]
+    #[arg(long, value_enum, default_value_t = By::Stage, conflicts_with_all = ["against", "why"])]
     by: By,
     /// Predict how long a frame takes on another device: `h100`, `navi21`, or a TOML file with its figures. Nothing is
     /// timed; the device at hand counts the work and the longest chains.
     #[arg(long = "as", value_name = "MODEL",
-          conflicts_with_all = ["compare", "against", "replace", "why", "save", "trace", "roofline", "history", "frames",
-                                "until", "budget", "seed", "serve"])]
+          conflicts_with_all = ["compare", "against", "why", "save", "trace", "roofline", "history", "frames",
+                                "until", "budget", "seed", "serve", "fail_slower", "fail_work", "junit"])]
     pub(super) model: Option<String>,
     #[command(flatten)]
     pub(super) gate: Gate,
@@ -168,6 +168,10 @@ impl Arguments {
         if let Some((key, _)) = one.iter().find(|(_, given)| *given && self.device.len() > 1) {
             let found = format!("{} of --device", self.device.len());
             return Err(refused(key, "goes with one device only").found(found).into());
+        }
+        if self.by != By::Stage && self.model.is_none() && !self.replace.pairs().is_empty() {
+            let fault = refused("--replace", "kernels are compared by stage").found(self.by.option());
+            return Err(fault.expected("--as MODEL, or stages").into());
         }
         let written = self.files().into_iter().find(|(key, file)| *key != "--junit" && file.is_some());
         let idle = written.map(|(key, _)| key).or((!self.scene.scene.is_empty()).then_some("SCENE"));

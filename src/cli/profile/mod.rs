@@ -66,10 +66,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return serve(&scene, device.as_ref(), &settings);
     }
     arguments.suits(device.as_ref())?;
-    if let (Some(model), Some(device)) = (&model, &device) {
-        return predicted::run(arguments, model, &scene, device, &settings);
-    }
     let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)], false)?.map(|(device, _)| device);
+    if let (Some(model), Some(device)) = (&model, &device) {
+        return predicted::run(arguments, model, &scene, (device, own.as_ref()), &settings);
+    }
     let mut comparison = match &own {
         Some(after) => replacement(arguments, &scene, (device.as_ref(), after), &settings)?,
         None => Comparison::default(),

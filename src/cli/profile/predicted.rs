@@ -7,25 +7,34 @@ use milkglass::measure::profile::{Model, Predicted, Prediction, Settings, predic
 use milkglass::measure::table::Table;
 use milkglass::scene::Scene;
 
-/// Counts on the device at hand, predicts, prints, and writes the file of `--csv`.
+/// Counts on the device at hand, and on that with the user's kernels, if there are any; predicts, prints, and writes the
+/// file of `--csv`, of what runs with the user's kernels.
 pub(super) fn run(
     arguments: &Arguments,
     model: &Model,
     scene: &Scene,
-    device: &Device,
+    (built_in, own): (&Device, Option<&Device>),
     settings: &Settings,
 ) -> Result<()> {
+    let device = own.unwrap_or(built_in);
     let found = predict(scene, device, settings, model)?;
+    let before = own.map(|_| predict(scene, built_in, settings, model)).transpose()?;
     check_messages(Some(device))?;
-    print(&text(&found))?;
+    print(&text(&found, before.as_ref()))?;
     arguments.csv.iter().try_for_each(|path| write(path, sheet(&found).csv()?))
 }
 
-fn text(found: &Prediction) -> String {
+fn text(found: &Prediction, before: Option<&Prediction>) -> String {
     let (device, submissions) = (found.us(), found.submissions as f64 * found.model.submission_us);
+    let compared = before.map_or(String::new(), |before| {
+        let rows = found.rows.iter().zip(&before.rows).filter(|(row, built_in)| row.us() != built_in.us());
+        let told: Vec<String> =
+            rows.map(|(row, built_in)| format!("{} {:.1}", row.stage, built_in.us())).collect();
+        format!("with the built-in kernels: {:.0} us; {}\n", before.us(), told.join(", "))
+    });
     format!(
         "{} as on {}: predicted, not measured; counted on {}\n\
-         a frame: {:.0} us on the device; submissions: {}, {submissions:.0} us\n\n\
+         a frame: {:.0} us on the device; submissions: {}, {submissions:.0} us\n{compared}\n\
          instructions: of all invocations, in millions; the most of any invocation, dispatch after dispatch: steps, instructions\n\
          that wait for one another; loads of buffers, likewise; shared, loads of shared memory, barriers, exchanges. Then us: launches\n\
          and barriers; dispatches bound by issue, by residence (how many invocations the device holds) and by their chain\n\n{}",

@@ -26,12 +26,30 @@ float source(float sigma, float z, float u, float power) {
     return log2(z * (1.0 + a)) - 1.44269504 * a - 1.5 * log2(s2) + power * (log2(0.5 * q2) - log2(s2));
 }
 
+// What does not depend on the distance, loaded once.
+vec3 sigma, z_real, z_virtual, boundary, strength, light;
+float least;
+void load() {
+    sigma = object_params[0].sigma;
+    if (LAYERS != 0) {
+        boundary = object_params[0].boundary;
+        least = clusters[0].area / (64.0 * float(object_params[0].faces));
+        return;
+    }
+    z_real = object_params[0].z_real;
+    z_virtual = object_params[0].z_virtual;
+    EACH_CHANNEL({
+        strength[c] = log2(max(object_params[0].strength[c] * (ANY_LIGHT != 0 ? 1.0 : object_params[0].tint[c]), 1e-37));
+        light[c] = log2(ANY_LIGHT != 0 ? counters[0].contrast[c] : 1.0 / reference_level[0][c]);
+    })
+}
+
 float layer_law(float u, float power) {
-    float least = clusters[0].area / (64.0 * float(object_params[0].faces)), s2 = u * u + least, s = sqrt(s2);
+    float s2 = u * u + least, s = sqrt(s2);
     float largest = -1e30;
     for (uint c = 0; c < 3; ++c) {
-        float a = object_params[0].sigma[c] * s;
-        float both = 0.0795774715 * (1.0 / (object_params[0].boundary[c] * s) + (1.0 + a) / s2);
+        float a = sigma[c] * s;
+        float both = 0.0795774715 * (1.0 / (boundary[c] * s) + (1.0 + a) / s2);
         float q2 = (15.0 + a * (15.0 + a * (6.0 + a))) / (1.0 + a);
         largest = max(largest, log2(both) - 1.44269504 * a + power * (log2(0.5 * q2) - log2(s2)));
     }
@@ -42,12 +60,10 @@ float law(float u, float power) {
     if (LAYERS != 0) return layer_law(u, power);
     float largest = -1e30;
     EACH_CHANNEL({
-        float real = source(object_params[0].sigma[c], object_params[0].z_real[c], u, power);
-        float virt = source(object_params[0].sigma[c], object_params[0].z_virtual[c], u, power);
+        float real = source(sigma[c], z_real[c], u, power);
+        float virt = source(sigma[c], z_virtual[c], u, power);
         float both = max(real, virt) + log2(1.0 + exp2(min(real, virt) - max(real, virt)));
-        float strength = max(object_params[0].strength[c] * (ANY_LIGHT != 0 ? 1.0 : object_params[0].tint[c]), 1e-37);
-        largest = max(largest, both + log2(strength) +
-                               log2(ANY_LIGHT != 0 ? counters[0].contrast[c] : 1.0 / reference_level[0][c]));
+        largest = max(largest, both + strength[c] + light[c]);
     })
     return largest;
 }
@@ -57,6 +73,7 @@ void main() {
     if (i >= ERROR_LAWS * RANGE_ENTRIES) return;
     uint which = i / RANGE_ENTRIES, entry = i % RANGE_ENTRIES;
     float power = power_of(which);
+    load();
     float top = law(0.0, power), depth = min(RANGE_DEPTH, top - law(FARTHEST, power));
     float wanted = top - depth * float(entry) / float(RANGE_ENTRIES - 1);
     // Bisects the fourth root of the distance: small distances matter as much as large ones.

@@ -91,6 +91,8 @@ vec3 sum_alone() {
     return sum + run;
 }
 
+const uint AT_ONCE = 8 * COARSE_RUN; // what clusters send is kept, and summed by run
+shared vec3 values[AT_ONCE];
 shared vec3 run_sums[POOL / COARSE_RUN + 1];
 
 // The same sum, for the first invocation of the group.
@@ -100,16 +102,21 @@ vec3 sum_together() {
     if (!walk_together(cut)) return self == 0 ? sum_alone() : vec3(0);
     uint total = found_count, runs = (total + COARSE_RUN - 1) / COARSE_RUN;
     sort_found(total);
-    for (uint run = self; run < runs; run += LANES) {
-        vec3 sum = vec3(0);
-        uint last = min((run + 1) * COARSE_RUN, total);
-        for (uint k = run * COARSE_RUN; k < last; ++k) {
-            uint node = found(k) >> 1;
-            sum += sent(node, moments[node], second_moments[node], (found(k) & 1) != 0);
+    for (uint first = 0; first < total; first += AT_ONCE) {
+        uint count = min(total - first, AT_ONCE);
+        for (uint k = self; k < count; k += LANES) {
+            uint word = found(first + k), node = word >> 1;
+            values[k] = sent(node, moments[node], second_moments[node], (word & 1) != 0);
         }
-        run_sums[run] = sum;
+        barrier();
+        for (uint run = self; run * COARSE_RUN < count; run += LANES) {
+            vec3 sum = vec3(0);
+            uint last = min((run + 1) * COARSE_RUN, count);
+            for (uint k = run * COARSE_RUN; k < last; ++k) sum += values[k];
+            run_sums[first / COARSE_RUN + run] = sum;
+        }
+        barrier();
     }
-    barrier();
     vec3 sum = vec3(0);
     if (self == 0) for (uint run = 0; run < runs; ++run) sum += run_sums[run];
     return sum;

@@ -8,6 +8,7 @@ UPDATES(counters)
 WRITES(decisions)
 #include "transport/blocks/share.glsl"
 #include "transport/blocks/link/walk.glsl"
+#include "transport/blocks/link/parts.glsl"
 
 const uint KIND_BITS = 3; // of a decision that has its kind in the low bits
 
@@ -35,6 +36,14 @@ uint visit(uint node, out uint word) {
 
 uint decision(uint by_node) { return (by_node & (1u << KIND_BITS) - 1) << LINK_SHIFT | by_node >> KIND_BITS; }
 
+// Keeps the first decisions, of a walk that goes part by part.
+bool on_part(uint total) {
+    uint wanted = min(total, LINK_KEPT - 1 - kept);
+    for (uint k = gl_LocalInvocationIndex; k < wanted; k += LANES) decisions[first + kept + k] = decision(found(k));
+    kept += wanted;
+    return kept < LINK_KEPT - 1;
+}
+
 shared uint counts[LINK_KINDS];
 shared uint last_of_all;
 
@@ -51,11 +60,11 @@ void together(uint number) {
     uint total = found_count;
     barrier();
     if (noted) sort_found(total);
-    for (uint k = 0; k < LINK_KINDS; ++k) count[k] = counts[k];
     if (noted) {
         for (uint k = self; k < min(total, LINK_KEPT - 1); k += LANES) decisions[first + k] = decision(found(k));
-    } else if (self == 0) {
-        // Not all decisions were noted: one invocation finds the first ones again.
+    } else if (!walk_by_parts() && self == 0) {
+        // The driver cuts walks short: one invocation finds the first decisions again.
+        kept = 0;
         for (uint node = 0; kept < min(total, LINK_KEPT - 1);) {
             Emitter e = emitters[node];
             uint kind = kind_of(block, node, e);
@@ -63,6 +72,7 @@ void together(uint number) {
             node = kind == LINK_OPENED ? node + 1 : e.skip;
         }
     }
+    for (uint k = 0; k < LINK_KINDS; ++k) count[k] = counts[k];
     // The same last word as a walk alone leaves, where decisions that are not kept are overwritten.
     bool ends_listed = listed(last_of_all & (1u << KIND_BITS) - 1);
     if (self == 0 && (!ends_listed || total >= LINK_KEPT)) decisions[first + min(total, LINK_KEPT - 1)] = decision(last_of_all);

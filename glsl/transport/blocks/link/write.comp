@@ -9,6 +9,7 @@ READS(decisions)
 WRITES(entries)
 #include "transport/blocks/share.glsl"
 #include "transport/blocks/link/walk.glsl"
+#include "transport/blocks/link/parts.glsl"
 
 uint at[LINK_KINDS];
 void on_emitter(uint kind, uint node) {
@@ -29,8 +30,11 @@ uint visit(uint node, out uint word) {
 
 shared uvec4 kinds_before[MOST_LANES];
 
-// 1 in the component of the decision's kind, in the order of the lists, else 0.
-uvec4 one_of(uint decision) { return uvec4(equal(uvec4(LINK_EXPANDED, LINK_DIRECT, LINK_AREA, LINK_EDGE), uvec4(decision >> LINK_SHIFT))); }
+// The kinds in the order of the lists, and of their numbers; 1 in the component of the decision's kind, else 0; where
+// each kind begins.
+const uvec4 KINDS = uvec4(LINK_EXPANDED, LINK_DIRECT, LINK_AREA, LINK_EDGE);
+uvec4 one_of(uint decision) { return uvec4(equal(KINDS, uvec4(decision >> LINK_SHIFT))); }
+uvec4 begins(Runs one) { return one.first + uvec4(0, one.expanded, one.expanded + one.direct, one.expanded + one.direct + one.area); }
 
 // Writes the decisions that `count` kept, by kind: each invocation takes a run of them, and counts those before it.
 void write_known(uint first, Runs one, uint total) {
@@ -46,8 +50,7 @@ void write_known(uint first, Runs one, uint total) {
         kinds_before[self] += other;
         barrier();
     }
-    uvec4 place = uvec4(0, one.expanded, one.expanded + one.direct, one.expanded + one.direct + one.area) +
-                  kinds_before[self] - own + one.first;
+    uvec4 place = begins(one) + kinds_before[self] - own;
     for (uint k = begin; k < end; ++k) {
         uint decision = decisions[k];
         uvec4 here = one_of(decision);
@@ -55,6 +58,27 @@ void write_known(uint first, Runs one, uint total) {
         entries[at.x + at.y + at.z + at.w] = decision & (1u << LINK_SHIFT) - 1;
         place += here;
     }
+}
+
+uvec4 places; // of the next entries, by kind
+shared uint kinds_begin[4];
+bool on_part(uint total) {
+    uint self = gl_LocalInvocationIndex;
+    if (self < 4) kinds_begin[self] = total;
+    barrier();
+    for (uint k = self; k < total; k += LANES) {
+        uint kind = found(k) >> LINK_SHIFT;
+        if (k == 0 || found(k - 1) >> LINK_SHIFT != kind) kinds_begin[kind - KINDS.x] = k;
+    }
+    barrier();
+    uint begin = total;
+    for (uint kind = 4; kind-- > 0;) {
+        uint end = begin;
+        begin = min(begin, kinds_begin[kind]);
+        for (uint k = begin + self; k < end; k += LANES) entries[places[kind] + k - begin] = found(k) & (1u << LINK_SHIFT) - 1;
+        places[kind] += end - begin;
+    }
+    return true;
 }
 
 void main() {
@@ -69,17 +93,16 @@ void main() {
         }
         block = seen(range.first + i);
         bool cut;
-        if (walk_together(cut)) {
+        if (total <= POOL && walk_together(cut)) {
             sort_found(total);
             for (uint k = gl_LocalInvocationIndex; k < total; k += LANES) entries[one.first + k] = found(k) & (1u << LINK_SHIFT) - 1;
             return;
         }
+        places = begins(one);
+        if (walk_by_parts()) return;
     }
     if (LANES > 1 && gl_LocalInvocationIndex > 0) return;
-    at[LINK_EXPANDED] = one.first;
-    at[LINK_DIRECT] = one.first + one.expanded;
-    at[LINK_AREA] = at[LINK_DIRECT] + one.direct;
-    at[LINK_EDGE] = at[LINK_AREA] + one.area;
+    for (uint k = 0; k < 4; ++k) at[KINDS[k]] = begins(one)[k];
     uint node = 0, known = min(total, LINK_KEPT - 1);
     for (uint k = 0; k < known; ++k) {
         uint decision = decisions[i * LINK_KEPT + k];
