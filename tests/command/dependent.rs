@@ -109,7 +109,9 @@ fn package(folder: &Path) -> PathBuf {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/package");
     let file = succeed(Command::new(script).arg(folder).arg(env!("OUT_DIR")));
     let file = file.trim();
-    assert!(fs::metadata(file).unwrap().len() < 4_000_000, "the package is too large to publish");
+    // The registry takes 10 MB. Most of it is SPIR-V, which has its GLSL text for debuggers.
+    let size = fs::metadata(file).unwrap().len();
+    assert!(size < 6_000_000, "the package is too large to publish: {size} bytes");
     succeed(Command::new("tar").args(["-xzf", file, "-C"]).arg(folder));
     let name = Path::new(file).file_name().unwrap().to_string_lossy();
     folder.join(name.strip_suffix(".crate").unwrap())

@@ -23,7 +23,7 @@ fn groups_that_share_walks_conform() {
     let sets = ["object.0.detail=5", "transport.tolerance=1e-6", "camera.size=[8, 8]", "transport.receivers=faces"];
     let scene = Scene::load_with("sphere", &sets.map(str::to_string)).unwrap();
     let long = Fixture::of_scene("sphere with long lists", &scene).unwrap();
-    // Some blocks list more than a group can note, and are walked by one invocation.
+    // Some blocks list more than a group can note, and are walked by parts of the tree.
     assert!(longest(&long) > POOL, "{}", longest(&long));
     let stages = ["coarse_solve", "link", "gather"].map(str::to_string);
     // Long lists take most of the time, and fill a group of any size.
