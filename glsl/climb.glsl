@@ -10,20 +10,24 @@ READS(order)
 READS(leaves)
 SHARES(arrivals)
 
-// Makes a cluster.
-void of_cluster(uint node);
+// Makes a cluster; its left child is the next node.
+void of_cluster(uint node, uint right);
 
 void main() {
     uint i = invocation();
     if (i >= range.count) return;
     if (CLIMBS == 0) {
-        of_cluster(order[range.first + i]);
+        uint node = order[range.first + i];
+        of_cluster(node, topology[node + 1].skip);
         return;
     }
-    for (uint node = topology[leaves[i]].parent; node != NONE; node = topology[node].parent) {
+    for (uint node = topology[leaves[i]].parent; node != NONE;) {
+        // These loads wait for no arrival.
+        uint parent = topology[node].parent, right = topology[node + 1].skip;
         memoryBarrierBuffer();
         if (atomicXor(arrivals[node], 1) == 0) return;
         memoryBarrierBuffer();
-        of_cluster(node);
+        of_cluster(node, right);
+        node = parent;
     }
 }

@@ -56,7 +56,7 @@ fn stages_conform_where_invocations_share_items() {
     coarse.steps.iter().for_each(|step| step.reference(&mut state));
     assert!(state.data.runs.iter().any(|run| run.edge > 0) && state.data.runs.iter().any(|run| run.area > 0));
     for (fixture, stages) in [
-        (coarse, vec!["refit", "shadow", "pull", "link", "gather"]),
+        (coarse, vec!["refit", "shadow", "pull", "acceptance_radii", "link", "gather"]),
         (fixture("diffusion in a ball").unwrap(), vec!["near_layers", "boundary_integrals", "krylov_step"]),
         (fixture("three objects, links kept").unwrap(), vec!["placement", "mean_irradiance"]),
         (fixture("bump over kept links").unwrap(), vec!["mark_moved"]),

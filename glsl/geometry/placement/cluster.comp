@@ -8,8 +8,8 @@ READS(bounds)
 SHARES(placed_bounds)
 #include "climb.glsl"
 
-void of_cluster(uint node) {
-    uint left = node + 1, right = topology[left].skip;
+void of_cluster(uint node, uint right) {
+    uint left = node + 1;
     vec3 low = min(placed_bounds[left].low, placed_bounds[right].low);
     vec3 high = max(placed_bounds[left].high, placed_bounds[right].high);
     placed_bounds[node] = Bounds(low, bounds[node].next, high, bounds[node].face);

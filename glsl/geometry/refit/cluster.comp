@@ -13,8 +13,8 @@ SHARES(clusters)
 // `part` / `whole`, or one half if `whole` is 0: triangles may vanish in single precision.
 float share(float part, float whole) { return whole > 0.0 ? part / whole : 0.5; }
 
-void of_cluster(uint node) {
-    uint left = node + 1, right = topology[left].skip;
+void of_cluster(uint node, uint right) {
+    uint left = node + 1;
     vec3 low = min(bounds[left].low, bounds[right].low), high = max(bounds[left].high, bounds[right].high);
     bounds[node] = Bounds(low, next_of(topology[node].skip), high, NONE);
 

@@ -8,6 +8,6 @@ SHARES(vertex_moments)
 #include "climb.glsl"
 #include "layers/vertex_moments.glsl"
 
-void of_cluster(uint node) {
-    vertex_moments[node] = joined(vertex_moments[node + 1], vertex_moments[topology[node + 1].skip]);
+void of_cluster(uint node, uint right) {
+    vertex_moments[node] = joined(vertex_moments[node + 1], vertex_moments[right]);
 }

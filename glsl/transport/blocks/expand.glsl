@@ -1,16 +1,9 @@
 // The expansion of a block's emitters about its centre. Each run of EXPAND_RUN emitters is summed by itself, then these
 // sums are, in their order: so runs may be summed at once.
-layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
-layout(constant_id = LANES_ID) const uint LANES = 1; // invocations that share a block: 1, or all those of the group
+#include "transport/blocks/lanes.glsl"
 
 const uint EXPAND_RUN = 8; // emitters that are summed by themselves
 const uint EXPAND_RUNS = 32; // such runs that a group sums at once
-
-// The block of this invocation, counted from the first of the range.
-uint item() {
-    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    return LANES == 1 ? group * gl_WorkGroupSize.x + gl_LocalInvocationIndex : group;
-}
 
 // The expansion of one run of emitters: the includer's.
 Expansion sum_of(uint block, uint first, uint last);

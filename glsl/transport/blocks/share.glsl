@@ -1,13 +1,7 @@
 // A walk over a tree that the invocations of a group share: each takes one of the waiting nodes, visits it, and adds
 // its children to those that wait. The results are sorted, so that they depend neither on the number of invocations nor
 // on their order. With LANES = 1 each invocation has an item of its own, and walks alone.
-layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
-layout(constant_id = LANES_ID) const uint LANES = 1; // invocations that share an item: 1, or all those of the group
-
-uint item() {
-    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    return LANES == 1 ? group * gl_WorkGroupSize.x + gl_LocalInvocationIndex : group;
-}
+#include "transport/blocks/lanes.glsl"
 
 // Room for the words that are noted and the nodes that wait, together: if there are more, one invocation walks alone.
 const uint POOL = 1536;

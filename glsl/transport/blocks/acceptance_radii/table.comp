@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
+#include "transport/blocks/lanes.glsl"
 
 // For each error law the distances at which it takes evenly spaced values, in the logarithm: the inverse of a falling
 // function by bisection. A law is the largest over the channels of
@@ -68,23 +68,60 @@ float law(float u, float power) {
     return largest;
 }
 
+float power, wanted;
+bool is_beyond(float root) {
+    float squared = root * root;
+    return law(squared * squared, power) <= wanted;
+}
+
+// One step of the bisection.
+void halve(bool beyond, inout float low, inout float high) {
+    float middle = 0.5 * (low + high);
+    high = beyond ? middle : high;
+    low = beyond ? low : middle;
+}
+
+// The fourth root of the distance: small distances matter as much as large ones.
+const uint STEPS = 30;
+const float LARGEST_ROOT = 1.41421356;
+float root_alone() {
+    float low = 0.0, high = LARGEST_ROOT;
+    for (uint k = 0; k < STEPS; ++k) halve(is_beyond(0.5 * (low + high)), low, high);
+    return high;
+}
+
+// The same steps, several at once: invocation 1 tries the middle, 2 and 3 those of the halves, 4 to 7 those of quarters.
+shared uint beyond[MOST_LANES];
+float root_together() {
+    uint self = gl_LocalInvocationIndex, at_once = findMSB(LANES);
+    float low = 0.0, high = LARGEST_ROOT;
+    for (uint done = 0; done < STEPS; done += at_once) {
+        float own_low = low, own_high = high;
+        for (int k = findMSB(self) - 1; k >= 0; --k) halve((self >> k & 1) == 0, own_low, own_high);
+        beyond[self] = uint(is_beyond(0.5 * (own_low + own_high)));
+        barrier();
+        uint at = 1;
+        for (uint k = done; k < min(done + at_once, STEPS); ++k) {
+            bool first_half = beyond[at] != 0;
+            halve(first_half, low, high);
+            at = 2 * at + uint(!first_half);
+        }
+        barrier();
+    }
+    return high;
+}
+
 void main() {
-    uint i = invocation();
+    uint i = item();
     if (i >= ERROR_LAWS * RANGE_ENTRIES) return;
     uint which = i / RANGE_ENTRIES, entry = i % RANGE_ENTRIES;
-    float power = power_of(which);
+    power = power_of(which);
     load();
     float top = law(0.0, power), depth = min(RANGE_DEPTH, top - law(FARTHEST, power));
-    float wanted = top - depth * float(entry) / float(RANGE_ENTRIES - 1);
-    // Bisects the fourth root of the distance: small distances matter as much as large ones.
-    float low = 0.0, high = 1.41421356;
-    for (uint k = 0; k < 30; ++k) {
-        float middle = 0.5 * (low + high), squared = middle * middle;
-        bool beyond = law(squared * squared, power) <= wanted;
-        high = beyond ? middle : high;
-        low = beyond ? low : middle;
-    }
-    float u = entry == 0 ? 0.0 : high * high * high * high;
+    wanted = top - depth * float(entry) / float(RANGE_ENTRIES - 1);
+    float root = LANES == 1 ? root_alone() : root_together();
+    if (LANES > 1 && gl_LocalInvocationIndex > 0) return;
+    float u = entry == 0 ? 0.0 : root * root * root * root;
     uint base = which * (RANGE_ENTRIES + 2);
     ranges[base + 2 + entry] = u;
     if (entry == 0) {

@@ -13,8 +13,8 @@ SHARES(second_moments)
 #include "climb.glsl"
 #include "transport/blocks/pull/coarse.glsl"
 
-void of_cluster(uint node) {
-    uint left = node + 1, right = topology[left].skip;
+void of_cluster(uint node, uint right) {
+    uint left = node + 1;
     Moment l = moments[left], r = moments[right];
     SecondMoments ls = second_moments[left], rs = second_moments[right];
     float weight = l.weight + r.weight;

@@ -31,8 +31,8 @@ void add(inout Layers sum, Layers one, vec3 x, vec3 y, vec3 z) {
     sum.uz += one.uz + one.w * z;
 }
 
-void of_cluster(uint node) {
-    uint left = node + 1, right = topology[left].skip;
+void of_cluster(uint node, uint right) {
+    uint left = node + 1;
     Layers l = layers_of(left), r = layers_of(right);
     vec3 center = moments[node].center;
     vec3 x = vec3(center.x), y = vec3(center.y), z = vec3(center.z);

@@ -7,6 +7,6 @@ READS(topology)
 SHARES(change_flags)
 #include "climb.glsl"
 
-void of_cluster(uint node) {
-    change_flags[node] |= change_flags[node + 1] | change_flags[topology[node + 1].skip];
+void of_cluster(uint node, uint right) {
+    change_flags[node] |= change_flags[node + 1] | change_flags[right];
 }

@@ -8,8 +8,8 @@ READS(clusters)
 SHARES(cluster_irradiance)
 #include "climb.glsl"
 
-void of_cluster(uint node) {
-    uint left = node + 1, right = topology[left].skip;
+void of_cluster(uint node, uint right) {
+    uint left = node + 1;
     float whole = clusters[left].area + clusters[right].area;
     float share = whole > 0.0 ? clusters[right].area / whole : 0.5;
     cluster_irradiance[node] = mix(cluster_irradiance[left], cluster_irradiance[right], share);
