@@ -88,12 +88,13 @@ mod tests {
 
     #[test]
     fn frames_are_on_disk_as_they_come() {
+        let size = [4, 2];
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.gif");
         let files = || std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap());
         let film = |frames: u8| {
-            let mut film = Film::new(&path, [4, 2], 10.0).unwrap();
-            (0..frames).for_each(|frame| film.push([4, 2], &[frame; 24]).unwrap());
+            let mut film = Film::new(&path, size, 10.0).unwrap();
+            (0..frames).for_each(|frame| film.push(size, &[frame; 24]).unwrap());
             film
         };
         let begun = film(2);
