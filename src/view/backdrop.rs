@@ -1,4 +1,4 @@
-//! Stage `backdrop`: the environment, where a pixel's ray hits nothing.
+//! Stage `backdrop`: the environment and its sun, where a pixel's ray hits nothing.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "backdrop",
-    about: "radiance of pixels that show no object: the environment's image, linear between pixels, and its sun",
+    about: "radiance of pixels that show no object: the environment's image, linear between pixels",
     equation: "the image's latitude and longitude",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a place in the image is an angle in f32, off by some 4e-7, times its pixels per radian and their contrast",
