@@ -124,12 +124,12 @@ impl Subject {
     /// The scene at its frame; reports repairs to it.
     pub fn load(&self) -> Result<Scene> {
         let scene = self.at(self.scenes.frame)?;
-        scene.report.iter().for_each(|line| tell!("{line}"));
+        scene.report.iter().chain(&scene.idle_fps()?).for_each(|line| tell!("{line}"));
         Ok(scene)
     }
 
-    /// Checks that the values at a frame are valid.
-    pub fn check(&self, frame: f64) -> Result<()> {
+    /// Checks that the values at a frame are valid; returns the picture's size.
+    pub fn check(&self, frame: f64) -> Result<[u32; 2]> {
         match &self.studio {
             Some(studio) => studio.check(&self.scenes.sets(), self.turn_and_frame(frame).1),
             None => self.scenes.check(self.turn_and_frame(frame).1),

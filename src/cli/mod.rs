@@ -160,7 +160,7 @@ struct SceneArguments {
     /// Play this animation of a glTF mesh; `milkglass scenes FILE` lists them.
     #[arg(long, value_name = "NAME")]
     animation: Option<String>,
-    /// Frames per second of the animation and of a GIF: 24 by default.
+    /// Frames per second of the animation and of a GIF, 24 by default. An error where there is neither.
     #[arg(long, value_name = "N")]
     fps: Option<f64>,
     #[command(flatten)]
@@ -186,14 +186,14 @@ impl SceneArguments {
     /// Loads the scene and reports repairs to it.
     fn load(&self) -> Result<Scene> {
         let scene = self.at(self.frame)?;
-        for line in &scene.report {
+        for line in scene.report.iter().chain(&scene.idle_fps()?) {
             tell!("{line}");
         }
         Ok(scene)
     }
 
-    /// Checks that the values at a frame are valid.
-    fn check(&self, frame: f64) -> Result<()> {
+    /// Checks that the values at a frame are valid; returns the picture's size.
+    fn check(&self, frame: f64) -> Result<[u32; 2]> {
         Scene::check_at(&self.scene, &self.sets(), frame)
     }
 

@@ -46,8 +46,8 @@ pub struct Arguments {
     #[arg(long, value_name = "A..B", conflicts_with_all = ["view", "frame", "times", "turntable"],
           allow_hyphen_values = true)]
     frames: Option<String>,
-    /// With --frames: skip frames whose file exists.
-    #[arg(long, requires = "frames")]
+    /// With --frames or --turntable: skip frames whose file exists.
+    #[arg(long)]
     skip_existing: bool,
     /// The pixel for `--view clusters`, from the upper left.
     #[arg(long, value_name = "X,Y", requires = "view")]
@@ -144,6 +144,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let range = arguments.frames.clone().or(around);
     if range.is_none() || film {
         ready([("-o", Some(&arguments.output))])?;
+    }
+    if arguments.skip_existing && (film || range.is_none()) {
+        let fault = Input::new("only for frames that have a file each").key("--skip-existing");
+        let found = arguments.output.display();
+        return Err(fault.found(found).expected("--frames or --turntable, and -o NAME-%04d.png").into());
     }
     let frames = range.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
     let size = arguments.picture.size()?;

@@ -52,19 +52,22 @@ impl Job<'_> {
             return Err(fault.expected("a plain file").into());
         }
         let gif = is_gif(self.output);
-        if gif && self.skip {
-            let fault = Input::new("a GIF is written as a whole").key("--skip-existing").found(self.output.display());
-            return Err(fault.expected("-o NAME-%04d.png").into());
-        }
         let start = Instant::now();
         let output = |frame: i32| numbered(self.output, frame).unwrap_or_default();
         // Only a non-empty file counts as a picture.
         let whole = |path: &Path| path.metadata().is_ok_and(|known| known.is_file() && known.len() > 0);
         let skips = |frame: &i32| self.skip && whole(&output(*frame));
         let (left_out, wanted): (Vec<i32>, Vec<i32>) = self.frames.clone().partition(skips);
+        let mut size = self.size;
         wanted.iter().try_for_each(|&frame| {
             let told = |_: &Error| tell!("the scene is not valid at frame {frame}; nothing was rendered");
-            self.scenes.check(f64::from(frame)).inspect_err(told)
+            let found = self.scenes.check(f64::from(frame)).inspect_err(told)?;
+            let before = *size.get_or_insert(found);
+            let same = if gif && self.size.is_none() { Film::check_sizes(before, found) } else { Ok(()) };
+            same.inspect_err(told).map_err(|error| match self.scene(frame) {
+                Ok(scene) => scene.placed(error),
+                Err(_) => error,
+            })
         })?;
         let bar = ProgressBar::new(wanted.len() as u64);
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left") {
@@ -80,16 +83,15 @@ impl Job<'_> {
                     shoot(session, self.aov, &output(frame), Samples::hidden()).map(drop)
                 }
             });
-            done_with.and_then(|()| check_messages(device)).inspect_err(|_| {
+            if let Err(error) = done_with.and_then(|()| check_messages(device)) {
                 bar.finish_and_clear();
-                let left =
-                    if gif { "nothing was written" } else { "they are whole, and --skip-existing goes on from here" };
-                tell!("frame {frame} failed, after {done} others; {left}");
-            })?;
+                tell!("frame {frame} failed, after {done} others; {}", self.left(film, frame));
+                return Err(error);
+            }
             bar.inc(1);
         }
         bar.finish_and_clear();
-        film.map_or(Ok(()), |film| film.save(self.output))?;
+        film.map_or(Ok(()), |film| film.save(None))?;
         let place = device.map_or("the CPU", |device| device.name());
         let (count, there) = (wanted.len(), left_out.len());
         let there = if there > 0 { format!(", {there} were there") } else { String::new() };
@@ -100,6 +102,18 @@ impl Job<'_> {
 }
 
 impl Job<'_> {
+    /// What is left of the frames before one that failed: those of a film get a file of their own.
+    fn left(&self, film: Option<Film>, failed: i32) -> String {
+        let name = self.output.file_stem().unwrap_or_default().to_string_lossy();
+        let name = format!("{name}.{}-{}.gif", self.frames.start(), failed - 1);
+        match film.filter(|_| failed > *self.frames.start()).map(|film| film.save(Some(&name))) {
+            None if is_gif(self.output) => "nothing was written".into(),
+            None => "they are whole, and --skip-existing goes on from here".into(),
+            Some(Ok(())) => format!("they are in {name}"),
+            Some(Err(error)) => format!("they are lost: {error}"),
+        }
+    }
+
     /// Computes the light of a frame; the session is opened if it is none yet.
     fn prepare<'s>(
         &self,
@@ -133,6 +147,8 @@ impl Job<'_> {
         scene.camera = scene.camera.clone().sized(self.size.unwrap_or(scene.camera.size))?;
         if is_gif(self.output) {
             Film::check(&scene.camera).map_err(|error| scene.placed(error))?;
+        } else {
+            scene.report.extend(scene.idle_fps()?);
         }
         Ok(scene)
     }
@@ -144,7 +160,7 @@ impl Job<'_> {
         let size = scene.camera.size;
         let film = match film {
             Some(film) => film,
-            None => film.insert(Film::new(size, scene.fps)?),
+            None => film.insert(Film::new(self.output, size, scene.fps)?),
         };
         film.push(size, &bytes).map_err(|error| scene.placed(error))
     }
@@ -152,7 +168,7 @@ impl Job<'_> {
     /// For a film whose camera is metered, a session that has found the exposure from frame 0, or else from the first
     /// frame of the range, so that films rendered in parts have one exposure; none for any other film.
     fn metered(&self, device: Option<&Device>) -> Result<Option<Session>> {
-        let at = |frame: i32| self.scenes.check(frame.into()).and_then(|()| self.scene(frame));
+        let at = |frame: i32| self.scenes.check(frame.into()).and_then(|_| self.scene(frame));
         let Some(scene) = at(0).or_else(|_| at(*self.frames.start())).ok().filter(|scene| scene.camera.metered) else {
             return Ok(None);
         };
@@ -204,6 +220,10 @@ pub fn parse(text: &str, output: &Path) -> Result<RangeInclusive<i32>> {
         let expected = "A..B, whole numbers, A at most B, both included, at most 1000000 frames";
         return Err(Input::new("not a range of frames").key("--frames").found(text).expected(expected).into());
     };
+    if is_gif(output) && numbered(output, 0).is_some() {
+        let fault = Input::new("a GIF holds all frames").key("--output").found(output.display());
+        return Err(fault.expected("one name: NAME.gif; or NAME-%04d.png for a file each").into());
+    }
     if !is_gif(output) && numbered(output, 0).is_none() {
         let fault = Input::new("every frame needs a file of its own").key("--output").found(output.display());
         return Err(fault.expected("the place of the frame's number, once: frame-%04d.png; or NAME.gif").into());
@@ -229,6 +249,7 @@ mod tests {
         for bad in ["5", "5..", "..5", "5..4", "a..b", "0..99999999", "1..2.5"] {
             assert!(parse(bad, output).is_err(), "{bad}");
         }
-        assert!(parse("0..1", Path::new("a.png")).is_err());
+        assert!(parse("0..1", Path::new("a.png")).is_err() && parse("0..1", Path::new("a.gif")).is_ok());
+        assert!(parse("0..1", Path::new("a-%02d.gif")).is_err());
     }
 }

@@ -18,7 +18,7 @@ records! { light_records:
         axis: [f32; 3],
         /// Spot: 1 - cos of the angle within which all its intensity arrives.
         inner: f32,
-        /// Spot: 1 - cos of the angle outside which nothing arrives.
+        /// Spot: 1 - cos of the angle outside which nothing arrives. Sun of an environment: 1 - cos of its radius.
         outer: f32,
         /// The number of its bit in `lit`, or `pixel_lit`; `NONE` if it casts no shadow.
         shadow: u32,

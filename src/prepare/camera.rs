@@ -36,11 +36,10 @@ pub fn shift(record: &mut Record, camera: &Camera, units: Units, pixel: [f64; 2]
     let (right, up, _) = camera.basis();
     let [across, above] = lens.map(|x| 0.5 * camera.aperture * x);
     record.origin = narrow(units.inside(camera.position + across * right + above * up));
-    // A unit of length at the distance of focus, in twice a pixel.
-    let [_, height] = camera.size.map(f64::from);
-    let scale = height / (camera.focus() * f64::tan(0.5 * camera.fov.to_radians()));
-    record.shift_x = 2.0 * pixel[0] as f32 - (across * scale) as f32;
-    record.shift_y = 2.0 * pixel[1] as f32 + (above * scale) as f32;
+    // In twice a pixel.
+    let [left, down] = lens.map(|x| (0.5 * camera.lens() * x) as f32);
+    record.shift_x = 2.0 * pixel[0] as f32 - left;
+    record.shift_y = 2.0 * pixel[1] as f32 + down;
 }
 
 /// Writes the tones, unless they were dropped.

@@ -18,11 +18,31 @@ use crate::lighting::sky::fibonacci_direction;
 use crate::scene::{Light, Object, Sky, Source};
 use crate::state::{Group, Local, State, narrow};
 
+/// The lights, and after them the sun of an environment, which casts shadows as the environment's light says.
+pub fn with_sun(lights: &[Light]) -> Vec<Light> {
+    let sun = |light: &Light| match &light.source {
+        Source::Environment { sky, .. } => sky.sun().map(|(direction, irradiance, _)| Light {
+            source: Source::Directional { direction, irradiance },
+            shadows: light.shadows,
+        }),
+        _ => None,
+    };
+    lights.iter().cloned().chain(lights.iter().filter_map(sun)).collect()
+}
+
 /// Writes the lights' records and sets the light unit: about the largest irradiance anywhere on the objects.
-pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &[Object]) {
+pub fn lights(state: &mut State, given: &[Light], units: &mut Units, objects: &[Object]) {
+    let lights = &with_sun(given);
     let brightest: f64 = lights.iter().map(|light| brightest(light, *units, objects)).sum();
     units.light = if brightest > 0.0 && brightest.is_finite() { brightest.log2().ceil().exp2() } else { 1.0 };
     state.data.lights = lights.iter().flat_map(|light| records(light, *units)).collect();
+    let narrowness = lights.iter().find_map(|light| match &light.source {
+        Source::Environment { sky, .. } => sky.sun().map(|(_, _, narrowness)| narrowness as f32),
+        _ => None,
+    });
+    if let (Some(outer), Some(sun)) = (narrowness, state.data.lights.last_mut()) {
+        sun.outer = outer;
+    }
 
     // Each record that casts shadows gets a bit.
     let mut bits = 0;
@@ -62,7 +82,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
     if let Some(camera) = state.data.camera.first_mut() {
         camera.radiance = units.radiance();
     }
-    pixel_lights(state, lights, *units);
+    pixel_lights(state, given, *units);
 }
 
 fn largest(channels: [f64; 3]) -> f64 {

@@ -4,7 +4,7 @@
 //! A light's points, or an environment's rays, are spread over the samples of a picture: each sample of a pixel takes
 //! its share of them, at places of its own, and their mean is that of all.
 
-use super::lights::record_of;
+use super::lights::{record_of, with_sun};
 use super::units::Units;
 use crate::layout::{LIGHT_BRIGHT_RAY, LIGHT_MIRROR_RAY, LIGHT_SKY_RAY, Light as Record, NONE, REFLECTION_NONE};
 use crate::scene::{Light, Source};
@@ -41,7 +41,7 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
         return;
     }
     let (mut records, mut mirrored) = (Vec::new(), Vec::new());
-    for light in lights {
+    for light in &with_sun(lights) {
         // One point of an area serves for its reflection where there are several samples.
         let most = if plain || samples == 1 { usize::MAX } else { 1 };
         let share = light.samples().div_ceil(samples.max(1)).min(most);

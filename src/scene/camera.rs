@@ -48,7 +48,7 @@ pub struct Camera {
     pub fov: f64,
     /// Diameter of the lens in scene units, 0 to 1e9: 0 is a pinhole. A picture of one sample is that of a pinhole.
     pub aperture: f64,
-    /// Distance along the view of what the lens shows sharp, in scene units, above 0; none: that of `target`.
+    /// Distance along the view of what the lens shows sharp, in scene units, from 1e-9; none: that of `target`.
     pub focus: Option<f64>,
     /// Width and height in pixels, each 1 to 16384.
     pub size: [u32; 2],
@@ -71,6 +71,12 @@ pub struct Camera {
 /// The minimum angle of a pixel, radian: four times the resolution of `f32`.
 const NARROWEST: f64 = 4.0 / 16_777_216.0;
 
+/// The widest lens at the distance of focus, in half pixels.
+const WIDEST_LENS: f64 = 1e6;
+
+/// The nearest distance of focus, in scene units.
+const NEAREST_FOCUS: f64 = 1e-9;
+
 impl Camera {
     /// Right, up and forward: of length 1 and perpendicular, right = forward x up. When `up` is parallel to the view,
     /// the axis least aligned with the view replaces it.
@@ -83,10 +89,11 @@ impl Camera {
         self.focus.unwrap_or_else(|| self.position.distance(self.target))
     }
 
-    /// The same camera with another picture size; an error if its pixels are too narrow for `f32`.
+    /// The same camera with another picture size; an error if its pixels are too narrow, or its lens too wide.
     pub fn sized(self, size: [u32; 2]) -> Result<Self> {
         let camera = Self { size, ..self };
         camera.wide_enough()?;
+        camera.small_lens()?;
         Ok(camera)
     }
 
@@ -118,6 +125,25 @@ impl Camera {
         let least = (0.5 * NARROWEST * lines).atan().to_degrees() * 2.0;
         Err(fault.expected(format!("at least {least:.1e} degrees for {lines} lines")))
     }
+
+    /// The lens's diameter at the distance of focus, in half pixels.
+    pub fn lens(&self) -> f64 {
+        if self.aperture == 0.0 {
+            return 0.0;
+        }
+        self.aperture * f64::from(self.size[1]) / (self.focus() * (self.fov.to_radians() / 2.0).tan())
+    }
+
+    /// Checks the lens: it shifts rays by so many pixels, as `f32`.
+    fn small_lens(&self) -> Checked<()> {
+        if self.lens() <= WIDEST_LENS {
+            return Ok(());
+        }
+        let fault = Input::new("too wide a lens for its distance of focus").key("camera.aperture").found(self.aperture);
+        let most = self.aperture * WIDEST_LENS / self.lens();
+        let focus = self.focus();
+        Err(fault.expected(format!("at most {most:.1e} for a focus at {focus:.1e}, or a camera.focus farther away")))
+    }
 }
 
 /// The camera of the file, validated; [`Framing::fit`] fills in what is omitted.
@@ -142,8 +168,8 @@ impl Framing {
             let inside = |x| range.start < x && x < range.end;
             range::number(&format!("camera.{key}"), given.unwrap_or(usual), inside, expected)
         };
-        let positive = |x: f64| 0.0 < x && x <= range::LARGEST;
-        let focus = file.focus.map(|focus| range::number("camera.focus", focus, positive, "above 0, to 1e9"));
+        let before = |x: f64| (NEAREST_FOCUS..=range::LARGEST).contains(&x);
+        let focus = file.focus.map(|focus| range::number("camera.focus", focus, before, "1e-9 to 1e9"));
         let lens = |x: f64| (0.0..=range::LARGEST).contains(&x);
         let rest = Camera {
             aperture: range::number("camera.aperture", file.aperture.unwrap_or(0.0), lens, "0 to 1e9")?,
@@ -177,6 +203,11 @@ impl Framing {
         Ok(Self { position, target, rest })
     }
 
+    /// Width and height of the picture, in pixels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.rest.size
+    }
+
     /// Returns an error if the background is the environment but no light is one.
     pub(super) fn check_background(&self, lights: &[Light]) -> Checked<()> {
         if !self.rest.environment || lights.iter().any(|light| matches!(light.source, Source::Environment { .. })) {
@@ -194,7 +225,9 @@ impl Framing {
             target + back * distance(&self.rest, target, -back, low, high)
         });
         apart(position, target)?;
-        Ok(Camera { position, target, ..self.rest.clone() })
+        let camera = Camera { position, target, ..self.rest.clone() };
+        camera.small_lens()?;
+        Ok(camera)
     }
 }
 
@@ -318,7 +351,11 @@ mod tests {
     fn names_the_key_at_fault() {
         let cases = [
             ("aperture = -1", "camera.aperture: out of range; found -1; expected 0 to 1e9"),
-            ("focus = 0", "camera.focus: out of range; found 0; expected above 0, to 1e9"),
+            ("focus = 1e-10", "camera.focus: out of range; found 0.0000000001; expected 1e-9 to 1e9"),
+            (
+                "focus = 1e-9\naperture = 1",
+                "camera.aperture: too wide a lens for its distance of focus; found 1; expected at",
+            ),
             ("fov = 180", "camera.fov: out of range; found 180; expected degrees, above 0"),
             ("size = [0, 512]", "camera.size: not a picture size; found [0, 512]; expected [width"),
             ("size = [5]", "camera.size: not a picture size; found [5]"),

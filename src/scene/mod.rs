@@ -159,10 +159,23 @@ impl Scene {
         Self::of(Text::find(name_or_path, files)?, sets, frame, files)
     }
 
-    /// Checks the text at `frame` without reading any other file.
-    pub fn check_at(name_or_path: &str, sets: &[String], frame: f64) -> Result<()> {
+    /// Checks the text at `frame` without reading any other file; returns the picture's size.
+    pub fn check_at(name_or_path: &str, sets: &[String], frame: f64) -> Result<[u32; 2]> {
         let text = Text::find(name_or_path, &Files::default())?;
-        read::read(&text.toml, &text.file, sets, frame).map(|_| ()).map_err(Into::into)
+        Ok(read::read(&text.toml, &text.file, sets, frame)?.framing.size())
+    }
+
+    /// What to say, where no GIF is made, of an `fps` that has no effect because nothing moves: an error if a setting
+    /// gives it, a line if the file does.
+    pub fn idle_fps(&self) -> Result<Option<String>> {
+        let set = self.origin.sets.iter().any(|set| set.split('=').next().is_some_and(|key| key.trim() == "fps"));
+        let given = || self.origin.toml.parse().is_ok_and(|table: toml::Table| table.contains_key("fps"));
+        if self.frames.is_some() || !(set || given()) {
+            return Ok(None);
+        }
+        let what = "has no effect: the scene has neither an animation nor keyframes";
+        let fault = || Input::new(what).key("fps").found(self.fps).expected("an `animation`, keyframes, or a GIF");
+        if set { Err(self.placed(fault().into())) } else { Ok(Some(format!("fps {what}, and no GIF is made"))) }
     }
 
     /// The text of the scene that [`Self::load_from`] loads by this name, and the animations of the mesh if it is that

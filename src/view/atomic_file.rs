@@ -1,5 +1,6 @@
 //! Files that appear whole or not at all: written beside their destination, then moved there.
 
+use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -59,6 +60,35 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::R
     let Some(path) = &destination(path)? else { return write(path).map_err(fault) };
     let part = beside(path);
     write(part.path()).and_then(|()| std::fs::rename(part.path(), path).map_err(|e| e.to_string())).map_err(fault)
+}
+
+/// A file that is written piece by piece, beside `path`; removed when dropped unfinished. A device or a pipe is written
+/// directly.
+pub struct Pending {
+    path: PathBuf,
+    file: File,
+    part: Option<(Part, PathBuf)>,
+}
+
+impl Pending {
+    /// An empty file that will be at this path.
+    pub fn new(path: &Path) -> Result<Self> {
+        let part = destination(path)?.map(|place| (beside(&place), place));
+        let file = File::create(part.as_ref().map_or(path, |(part, _)| part.path()));
+        Ok(Self { path: path.into(), file: file.map_err(|error| unwritten(path, &error.to_string()))?, part })
+    }
+
+    /// Writes a piece.
+    pub fn add(&mut self, bytes: &[u8]) -> Result<()> {
+        self.file.write_all(bytes).map_err(|error| unwritten(&self.path, &error.to_string()))
+    }
+
+    /// Moves the file to its path, or to another name in the same folder.
+    pub fn finish(self, name: Option<&str>) -> Result<()> {
+        let Some((part, place)) = self.part else { return Ok(()) };
+        let place = name.map_or(place.clone(), |name| place.with_file_name(name));
+        std::fs::rename(part.path(), &place).map_err(|error| unwritten(&place, &error.to_string()))
+    }
 }
 
 fn unwritten(path: &Path, what: &str) -> Error {
@@ -140,7 +170,7 @@ pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>
 pub fn append(path: &Path, bytes: &[u8]) -> Result<()> {
     destination(path)?;
     let open = std::fs::OpenOptions::new().create(true).append(true).open(path);
-    let add = |mut file: std::fs::File| {
+    let add = |mut file: File| {
         let before = file.metadata()?.len();
         let written = file.write(bytes)?;
         // Another program may have appended since.

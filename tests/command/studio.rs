@@ -140,6 +140,11 @@ fn a_turntable_goes_round_a_scene() {
     );
     let here = folder(&[("s.toml", &scene)]);
     good(&here, "render s.toml -o t%d.png --turntable 2 --device cpu");
+    std::fs::write(here.path().join("t1.png"), "kept").unwrap();
+    let (_, told) = good(&here, "render s.toml -o t%d.png --turntable 2 --skip-existing --device cpu");
+    assert!(told.contains("0 frames, 2 were there") && bytes(&here, "t1.png") == b"kept", "{told}");
+    std::fs::remove_file(here.path().join("t1.png")).unwrap();
+    good(&here, "render s.toml -o t%d.png --turntable 2 --skip-existing --device cpu");
     good(&here, "render s.toml -o one.png --device cpu");
     assert!(bytes(&here, "t0.png") == bytes(&here, "one.png"));
     // From behind: in the middle again, without the light of the front.
@@ -150,9 +155,14 @@ fn a_turntable_goes_round_a_scene() {
 
     let run = "render s.toml --turntable 2 --device cpu -o";
     bad(&here, &format!("{run} a.gif"), 2, &["s.toml:3: camera.background: a GIF holds", "found \"none\""]);
-    let cases: [(&str, &[&str]); 3] = [
+    let cases: [(&str, &[&str]); 5] = [
         ("render s.toml -o a.gif", &["found .gif", "with --frames or --turntable"]),
-        ("render s.toml -o a.gif --frames 0..1 --skip-existing", &["--skip-existing: a GIF is written as a whole"]),
+        (
+            "render s.toml -o a.gif --frames 0..1 --skip-existing",
+            &["--skip-existing: only for frames that have a file each"],
+        ),
+        ("render s.toml -o a.png --skip-existing", &["--skip-existing: only for frames", "--frames or --turntable"]),
+        ("render s.toml -o a-%02d.gif --turntable 2", &["a GIF holds all frames", "found a-%02d.gif", "NAME.gif"]),
         ("render s.toml -o a.gif --frames 0..1 --aov", &["--aov: only OpenEXR has layers"]),
     ];
     for (line, words) in cases {
@@ -163,8 +173,45 @@ fn a_turntable_goes_round_a_scene() {
     assert!(film.len() == 1 && film[0].0 == u16::MAX, "a frame of at most 655 seconds");
     let sizes = "camera.size={keyframes=[[0,[8,8]],[1,[9,8]]]}";
     let line = format!("render s.toml -o b.gif --frames 0..1 --device cpu --set camera.background=0 --set {sizes}");
-    bad(&here, &line, 2, &["camera.size: the frames of a GIF have one size", "found 9 x 8"]);
-    assert!(!here.path().join("b.gif").exists());
+    let words = ["camera.size: the frames of a GIF have one size", "found 9 x 8", "frame 1; nothing was rendered"];
+    bad(&here, &line, 2, &words);
+    assert!(!names(here.path()).iter().any(|name| name.starts_with("b.") || name.ends_with("part")));
+    good(&here, &format!("{line} --size 8x8"));
+}
+
+#[test]
+fn frames_per_second_of_what_stands_still_are_named() {
+    let scene = "fps = 12\n[camera]\nsize = [8, 8]\n[[object]]\nshape = 'slab'\nmaterial = { preset = 'marble' }\n";
+    let here = folder(&[("s.toml", scene), ("sheet.obj", &sheet())]);
+    let render = |rest: &str| format!("render {rest} --size 8x8 --device cpu");
+    let idle = "fps has no effect: the scene has neither an animation nor keyframes";
+    for line in ["s.toml -o a.png", "s.toml -o a%d.png --turntable 2"] {
+        assert!(good(&here, &render(line)).1.contains(idle), "{line}");
+    }
+    assert!(!good(&here, &render("s.toml -o a.gif --turntable 2 --fps 9")).1.contains("fps"));
+    good(&here, &render("s.toml -o a.png --fps 9 --set camera.fov={keyframes=[[0,40],[1,50]]}"));
+    for line in ["s.toml -o b.png --fps 9", "sheet.obj -o b.png --fps 9", "s.toml -o b%d.png --turntable 2 --set fps=9"]
+    {
+        bad(
+            &here,
+            &render(line),
+            2,
+            &["fps", "has no effect", "found 9; expected an `animation`, keyframes, or a GIF"],
+        );
+    }
+    bad(&here, "plan sphere --fps 9 --device cpu", 2, &["fps", "has no effect"]);
+}
+
+#[test]
+fn a_lens_too_wide_for_its_focus_is_an_error() {
+    let here = folder(&[("sheet.obj", &sheet())]);
+    let render = |rest: &str| format!("render sheet.obj --size 8x8 --samples 2 --device cpu {rest}");
+    good(&here, &render("-o a.png"));
+    good(&here, &render("-o b.png --set camera.focus=1e-9"));
+    assert!(bytes(&here, "a.png") == bytes(&here, "b.png"), "a pinhole has no focus");
+    bad(&here, &render("-o c.png --set camera.focus=1e-320"), 2, &["camera.focus", "expected 1e-9 to 1e9"]);
+    let wide = "-o c.png --set camera.focus=1e-9 --set camera.aperture=1";
+    bad(&here, &render(wide), 2, &["camera.aperture", "too wide a lens", "found 1; expected at most"]);
 }
 
 #[test]

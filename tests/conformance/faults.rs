@@ -181,6 +181,10 @@ fn a_sequence_is_whole_as_far_as_it_goes() {
             assert!(turn == 0 || !there.is_empty());
             render(&format!("{name}%d.png"), &["--skip-existing"]).unwrap();
             (0..4).for_each(|n| assert!(read(&name, n).is_some() && read(&name, n) == read("whole", n), "{name}{n}"));
+            // Those of a film have a file of their own.
+            watch(Some(k), || render(&format!("{turn}.gif"), &[])).0.unwrap_err();
+            let film = here.path().join(format!("{turn}.0-{}.gif", there.len().saturating_sub(1)));
+            assert!(film.exists() != there.is_empty() && !here.path().join(format!("{turn}.gif")).exists());
         }
         let names = std::fs::read_dir(here.path()).unwrap().map(|entry| entry.unwrap().file_name());
         assert!(names.into_iter().all(|name| !name.to_string_lossy().contains("part.")));

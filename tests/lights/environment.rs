@@ -139,6 +139,54 @@ fn smooth_environments_are_within_a_hundredth() {
 }
 
 #[test]
+fn a_sun_has_its_direction_and_shows_once() {
+    let place = 40 * 256 + 128 + 20;
+    let (t, a) = (PI * 40.5 / 128.0, TAU * 20.5 / 256.0);
+    let toward = DVec3::new(t.sin() * a.sin(), t.cos(), -t.sin() * a.cos());
+    let mut pixels = vec![[0.6, 0.7, 0.9]; 256 * 128];
+    pixels[place] = [9000.0, 8000.0, 7000.0];
+    let sky = Sky::new([256, 128], pixels);
+    let split = sky.clone().with_sun();
+    let (direction, sun, _) = split.sun().expect("a sun");
+    assert!(direction.distance(toward) < 1e-6, "{direction} {toward}");
+    // What arrives is that of the image.
+    let ball = scene("sphere", &["object.0.detail=1"]);
+    let normals: Vec<DVec3> = places(&ball.objects[0].mesh).iter().map(|&(_, normal)| normal).collect();
+    let exact: Vec<DVec3> = normals.iter().map(|&normal| brute(&sky, normal, 1.5)).collect();
+    let mean = exact.iter().sum::<DVec3>() / exact.len() as f64;
+    let off = |found: &[DVec3]| {
+        found.iter().zip(&exact).map(|(a, b)| ((*a - *b) / mean).abs().max_element()).fold(0.0, f64::max)
+    };
+    let by_hand = |normal: &DVec3| {
+        let cosine = normal.dot(direction).max(0.0);
+        brute(&split, *normal, 1.5) + DVec3::from_array(sun) * (cosine * transmittance(1.5, cosine))
+    };
+    let by_hand = off(&normals.iter().map(by_hand).collect::<Vec<_>>());
+    let found = |sky: &Sky| {
+        let mut lit = under(ball.clone(), sky.clone(), 0);
+        (lit.lights[0].shadows, lit.objects[0].material.eta) = (false, [1.5; 3]);
+        off(&irradiance(&lit))
+    };
+    println!(
+        "a sun: {by_hand:.1e} by hand, {:.1e} in a frame, {:.1e} as part of the image",
+        found(&split),
+        found(&sky)
+    );
+    assert!(by_hand < 5e-3 && found(&split) < 1e-2 && found(&sky) > 0.1);
+    // And what is seen.
+    let seen = |sky: &Sky| {
+        let mut view = under(scene("sphere", &["object.0.detail=0", "camera.size=[64,64]"]), sky.clone(), 0);
+        view.camera.position = 1000.0 * toward;
+        (view.camera.target, view.camera.fov, view.camera.environment) = (2000.0 * toward, 10.0, true);
+        let mut session = Session::new(&view, None, Options::default()).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        session.state().data.radiance.iter().map(|pixel| DVec3::from_array(pixel.map(f64::from))).sum::<DVec3>()
+    };
+    let ratio = seen(&split) / seen(&sky);
+    assert!((ratio - 1.0).abs().max_element() < 0.03, "{ratio}");
+}
+
+#[test]
 fn rotation_turns_about_the_vertical() {
     // A bright patch in the middle of the image is at -z; turned by 90 degrees anticlockwise from above it is at -x.
     let mut pixels = vec![[0.0; 3]; 8 * 4];

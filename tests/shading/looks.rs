@@ -144,20 +144,26 @@ fn a_bright_pixel_is_reflected_as_a_sun() {
             }
             picture(&mut Session::new(&scene, None, Options::default()).unwrap()).unwrap().pixels
         };
-        let mut pixels = vec![[0.0; 3]; width * height];
-        pixels[row * width + column] = [4000.0; 3];
+        let bright = || {
+            let mut pixels = vec![[0.0; 3]; width * height];
+            pixels[row * width + column] = [4000.0; 3];
+            pixels
+        };
         let [x, y, z] = toward.to_array();
         let sun = format!(
             "light.0={{ type = 'directional', direction = [{x}, {y}, {z}], irradiance = {irradiance}, shadows = false }}"
         );
         let sun = pictured(&sun, None);
-        let spot = pictured(WHITE, Some(Sky::new([256, 128], pixels)));
+        let spot = pictured(WHITE, Some(Sky::new([256, 128], bright())));
         let sum = |values: &dyn Fn(usize) -> f64| (0..sun.len()).map(values).sum::<f64>();
         let (all, found) = (sum(&|k| f64::from(sun[k][1])), sum(&|k| f64::from(spot[k][1])));
         assert!((found / all - 1.0).abs() < 0.02, "{shape}: {found} {all}");
         let square = sum(&|k| f64::from(sun[k][1]).powi(2));
-        let off = (sum(&|k| f64::from(spot[k][1] - sun[k][1]).powi(2)) / square).sqrt();
-        assert!(off < 0.3, "{shape}: {off}");
+        let off = |seen: &[[f32; 3]]| (sum(&|k| f64::from(seen[k][1] - sun[k][1]).powi(2)) / square).sqrt();
+        assert!(off(&spot) < 0.3, "{shape}: {}", off(&spot));
+        // As a light of its own it is reflected once, without grain.
+        let alone = pictured(WHITE, Some(Sky::new([256, 128], bright()).with_sun()));
+        assert!(off(&alone) < 0.01, "{shape}: {}", off(&alone));
     }
 }
 

@@ -18,7 +18,9 @@ fn keys(kind: LightKind) -> Keys {
         LightKind::Area => {
             ("area", &["position", "edge_u", "edge_v", "radiance"], &["target", "two_sided", "samples", "shadows"])
         }
-        LightKind::Environment => ("environment", &[], &["image", "radiance", "intensity", "rotation", "occlusion"]),
+        LightKind::Environment => {
+            ("environment", &[], &["image", "radiance", "intensity", "rotation", "occlusion", "sun"])
+        }
     }
 }
 
@@ -149,7 +151,7 @@ impl Reader<'_> {
         };
         let angle = self.file.rotation.unwrap_or(0.0);
         let rotation = range::number(&self.key("rotation"), angle, |x| x.abs() <= 3600.0, "-3600 to 3600 degrees")?;
-        let sky = match (&self.file.image, self.file.radiance) {
+        let mut sky = match (&self.file.image, self.file.radiance) {
             (Some(image), None) => Sky::of_image(image, factor, rotation),
             (None, Some(_)) => Sky::constant(self.amount("radiance", self.file.radiance)?, factor),
             (Some(_), Some(_)) => {
@@ -161,6 +163,7 @@ impl Reader<'_> {
                 return Err(fault.key(self.key("image")).expected(accepted));
             }
         };
+        sky.seeks_sun = self.file.sun.unwrap_or(true);
         Ok(Source::Environment { sky, occlusion: self.whole("occlusion", self.file.occlusion, 0, 0, 4096)? })
     }
 }

@@ -40,6 +40,7 @@ keys! {
     image: String,
     rotation: f64,
     occlusion: i64,
+    sun: bool,
     shadows: bool,
 }
 

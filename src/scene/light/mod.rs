@@ -4,6 +4,7 @@ mod check;
 mod facing;
 mod file;
 mod sky;
+mod sun;
 
 pub(super) use file::LightFile;
 pub use sky::Sky;

@@ -7,6 +7,7 @@
 use super::super::files::Files;
 use super::super::image::{clamp, read_exr, read_hdr};
 use super::super::range::Checked;
+use super::sun::Sun;
 use crate::error::Input;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -33,12 +34,16 @@ pub struct Sky {
     pub rotation: f64,
     /// The file that the pixels are still to be read from, if any.
     image: Option<String>,
+    /// Whether a sun in that file becomes a light of its own.
+    pub(super) seeks_sun: bool,
+    pub(super) sun: Option<Sun>,
 }
 
 impl Sky {
     /// A sky of these pixels, row by row from the top.
     pub fn new(size: [u32; 2], pixels: Vec<[f32; 3]>) -> Self {
-        Self { size, pixels: Arc::new(pixels), factor: [1.0; 3], rotation: 0.0, image: None }
+        let (factor, rotation, image) = ([1.0; 3], 0.0, None);
+        Self { size, pixels: Arc::new(pixels), factor, rotation, image, seeks_sun: true, sun: None }
     }
 
     /// Whether the radiance is the same from all directions and comes from no image.
@@ -96,6 +101,10 @@ impl Sky {
             return Err(fault.found(format!("[{r}, {g}, {b}]")).expected("finite numbers"));
         }
         (self.size, self.pixels) = (size, Arc::new(pixels));
+        if self.seeks_sun {
+            *self = std::mem::replace(self, Self::new([0; 2], Vec::new())).with_sun();
+        }
+        report.extend(self.sun.map(|sun| format!("{key}: {sun}")));
         Ok(())
     }
 
@@ -121,13 +130,14 @@ impl Sky {
         TAU * (f64::from(column) / f64::from(self.size[0]) - 0.5) - self.rotation.to_radians()
     }
 
-    /// The mean radiance of all directions.
+    /// The mean radiance of all directions, the sun's among them.
     pub fn mean(&self) -> DVec3 {
         let row = |row: u32| {
             let share = (self.polar(row).cos() - self.polar(row + 1).cos()) / 2.0;
             (0..self.size[0]).map(|column| self.radiance(column, row)).sum::<DVec3>() * share
         };
-        (0..self.size[1]).map(row).sum::<DVec3>() / f64::from(self.size[0].max(1))
+        let sun = self.sun().map_or(DVec3::ZERO, |(_, irradiance, _)| DVec3::from_array(irradiance) / (4.0 * PI));
+        (0..self.size[1]).map(row).sum::<DVec3>() / f64::from(self.size[0].max(1)) + sun
     }
 }
 

@@ -64,6 +64,10 @@ impl Backdrop {
             light.insert("image".into(), image.into());
             light.insert("intensity".into(), Value::Float(intensity / exposure));
             light.insert("rotation".into(), Value::Float(rotation.rem_euclid(360.0)));
+            if thin {
+                // The inside of a pot would be as bright as its outside.
+                light.insert("occlusion".into(), Value::Integer(64));
+            }
             Value::Table(light)
         };
         match self {

@@ -176,9 +176,9 @@ impl Studio {
         Ok(scene)
     }
 
-    /// Checks the values at `frame` without reading the mesh.
-    pub fn check(&self, sets: &[String], frame: f64) -> Result<()> {
-        read::read(&self.toml(), &self.text.file, sets, frame).map(|_| ()).map_err(Into::into)
+    /// Checks the values at `frame` without reading the mesh; returns the picture's size.
+    pub fn check(&self, sets: &[String], frame: f64) -> Result<[u32; 2]> {
+        Ok(read::read(&self.toml(), &self.text.file, sets, frame)?.framing.size())
     }
 
     /// Its text, as a scene file that lies in the current folder.

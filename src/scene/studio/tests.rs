@@ -140,7 +140,7 @@ fn named(name: &str, text: &str, sets: &[&str], wishes: Wishes) -> (tempfile::Te
 fn sheets_are_lit_from_both_sides_and_bodies_from_one() {
     let leaf = "v 0 0 0\nv 1 0 0.2\nv 1 1 0\nv 0 1 0.2\nf 4 3 2 1\n";
     let (_folder, made, scene) = named("leaf.obj", leaf, &[], Wishes::default());
-    assert!(scene.objects[0].material.two_sided);
+    assert!(scene.objects[0].material.two_sided && scene.lights[0].samples() == 64);
     assert_eq!(made.told.len(), 2);
     assert!(made.told[1].starts_with("leaf: an open sheet without thickness, lit from both sides"), "{:?}", made.told);
     // The light behind a sheet does not drown the one in front.
@@ -149,6 +149,7 @@ fn sheets_are_lit_from_both_sides_and_bodies_from_one() {
     assert!(!scene.objects[0].material.two_sided && made.told.len() == 1, "{:?}", made.told);
     let (_folder, made, scene) = named("table.obj", &table(1, 2.0), &[], Wishes::default());
     assert!(!scene.objects[0].material.two_sided && made.told.len() == 1, "{:?}", made.told);
+    assert_eq!(scene.lights[0].samples(), 0);
     assert!(matches!(scene.lights[2].source, Source::Area { radiance: [thick, ..], .. } if thick > 3.9 * thin));
 }
 
