@@ -7,8 +7,8 @@ use milkglass::measure::profile::{Model, Predicted, Prediction, Settings, predic
 use milkglass::measure::table::Table;
 use milkglass::scene::Scene;
 
-/// Counts on the device at hand, and on that with the user's kernels, if there are any; predicts, prints, and writes the
-/// file of `--csv`, of what runs with the user's kernels.
+/// Counts on the device at hand, with the user's kernels if there are any, predicts, prints, and writes the file of
+/// `--csv`; the built-in kernels are counted beside the user's.
 pub(super) fn run(
     arguments: &Arguments,
     model: &Model,
@@ -28,8 +28,7 @@ fn text(found: &Prediction, before: Option<&Prediction>) -> String {
     let (device, submissions) = (found.us(), found.submissions as f64 * found.model.submission_us);
     let compared = before.map_or(String::new(), |before| {
         let rows = found.rows.iter().zip(&before.rows).filter(|(row, built_in)| row.us() != built_in.us());
-        let told: Vec<String> =
-            rows.map(|(row, built_in)| format!("{} {:.1}", row.stage, built_in.us())).collect();
+        let told: Vec<String> = rows.map(|(row, built_in)| format!("{} {:.1}", row.stage, built_in.us())).collect();
         format!("with the built-in kernels: {:.0} us; {}\n", before.us(), told.join(", "))
     });
     format!(

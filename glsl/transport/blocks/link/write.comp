@@ -32,7 +32,7 @@ shared uvec4 kinds_before[MOST_LANES];
 
 // The kinds in the order of the lists, and of their numbers; 1 in the component of the decision's kind, else 0; where
 // each kind begins.
-const uvec4 KINDS = uvec4(LINK_EXPANDED, LINK_DIRECT, LINK_AREA, LINK_EDGE);
+const uvec4 KINDS = LINK_EXPANDED + uvec4(0, 1, 2, 3);
 uvec4 one_of(uint decision) { return uvec4(equal(KINDS, uvec4(decision >> LINK_SHIFT))); }
 uvec4 begins(Runs one) { return one.first + uvec4(0, one.expanded, one.expanded + one.direct, one.expanded + one.direct + one.area); }
 
