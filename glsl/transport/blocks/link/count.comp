@@ -36,7 +36,18 @@ uint visit(uint node, out uint word) {
 
 uint decision(uint by_node) { return (by_node & (1u << KIND_BITS) - 1) << LINK_SHIFT | by_node >> KIND_BITS; }
 
-// Keeps the first decisions, of a walk that goes part by part.
+shared uint counts[LINK_KINDS];
+shared uint last_of_all;
+uint total_of_all;
+
+void on_first(bool cut) {
+    if (cut) counters[0].unfinished = 1;
+    for (uint k = 0; k < LINK_KINDS; ++k) if (count[k] > 0) atomicAdd(counts[k], count[k]);
+    atomicMax(last_of_all, last);
+    total_of_all = found_count;
+}
+
+// Keeps the first decisions.
 bool on_part(uint total) {
     uint wanted = min(total, LINK_KEPT - 1 - kept);
     for (uint k = gl_LocalInvocationIndex; k < wanted; k += LANES) decisions[first + kept + k] = decision(found(k));
@@ -44,26 +55,16 @@ bool on_part(uint total) {
     return kept < LINK_KEPT - 1;
 }
 
-shared uint counts[LINK_KINDS];
-shared uint last_of_all;
-
 // A block's walk by the whole group; afterwards `count` is the whole block's.
 void together(uint number) {
     uint self = gl_LocalInvocationIndex;
     if (self < LINK_KINDS) counts[self] = 0;
     if (self == 0) last_of_all = 0;
     block = seen(number);
-    bool cut, noted = walk_together(cut);
-    if (cut) counters[0].unfinished = 1;
-    for (uint k = 0; k < LINK_KINDS; ++k) if (count[k] > 0) atomicAdd(counts[k], count[k]);
-    atomicMax(last_of_all, last);
-    uint total = found_count;
-    barrier();
-    if (noted) sort_found(total);
-    if (noted) {
-        for (uint k = self; k < min(total, LINK_KEPT - 1); k += LANES) decisions[first + k] = decision(found(k));
-    } else if (!walk_by_parts() && self == 0) {
-        // The driver cuts walks short: one invocation finds the first decisions again.
+    bool found_all = walk_by_parts(object_params[0].nodes);
+    uint total = total_of_all;
+    if (!found_all && self == 0) {
+        // One invocation finds the first decisions again.
         kept = 0;
         for (uint node = 0; kept < min(total, LINK_KEPT - 1);) {
             Emitter e = emitters[node];

@@ -62,6 +62,7 @@ void write_known(uint first, Runs one, uint total) {
 
 uvec4 places; // of the next entries, by kind
 shared uint kinds_begin[4];
+void on_first(bool cut) {}
 bool on_part(uint total) {
     uint self = gl_LocalInvocationIndex;
     if (self < 4) kinds_begin[self] = total;
@@ -92,14 +93,9 @@ void main() {
             return;
         }
         block = seen(range.first + i);
-        bool cut;
-        if (total <= POOL && walk_together(cut)) {
-            sort_found(total);
-            for (uint k = gl_LocalInvocationIndex; k < total; k += LANES) entries[one.first + k] = found(k) & (1u << LINK_SHIFT) - 1;
-            return;
-        }
         places = begins(one);
-        if (walk_by_parts()) return;
+        uint nodes = object_params[0].nodes;
+        if (walk_by_parts(total > POOL ? (nodes + 1) / 2 : nodes)) return;
     }
     if (LANES > 1 && gl_LocalInvocationIndex > 0) return;
     for (uint k = 0; k < 4; ++k) at[KINDS[k]] = begins(one)[k];
