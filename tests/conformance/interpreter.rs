@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use milkglass::measure::interpret::{Finding, Kernel, Launched, Memory, Part};
+use milkglass::measure::interpret::{Finding, Kernel, Launched, MOST_BLOCKS, Memory, Part};
 
 /// Invocations of a subgroup.
 const SUBGROUP: u32 = 32;
@@ -41,7 +41,8 @@ pub fn run(words: &[u32], given: &Given<'_>, watched: bool) -> (Vec<Vec<u32>>, V
     let bound: BTreeMap<u32, Part> = given.buffers.iter().enumerate().map(part).collect();
     let memory: Vec<&Memory> = own.iter().collect();
     let push = bytemuck::cast_slice(given.push);
-    let launched = Launched { groups: given.groups, push, bound: &bound, memory: &memory, subgroup: SUBGROUP };
+    let (groups, bound, memory) = (given.groups, &bound, &memory[..]);
+    let launched = Launched { groups, push, bound, memory, subgroup: SUBGROUP, most_blocks: MOST_BLOCKS };
     let findings = match watched {
         true => kernel.findings(&launched).unwrap(),
         false => {
@@ -67,6 +68,7 @@ pub fn kernel(before: &str, body: &str) -> String {
 #extension GL_KHR_shader_subgroup_shuffle_relative : require
 #extension GL_KHR_shader_subgroup_clustered : require
 #extension GL_KHR_shader_subgroup_quad : require
+#extension GL_KHR_memory_scope_semantics : require
 layout(local_size_x = 64) in;
 layout(binding = 0, scalar) buffer Words {{ uint x[]; }};
 layout(binding = 1, scalar) buffer Out {{ uint o[]; }};
