@@ -197,7 +197,7 @@ const FUNCTIONS: &[Case<GLOp>] = &[
     (GLOp::Cosh, &[b(1.0)], b(1.543_080_7)),
     (GLOp::Tanh, &[b(1.0)], b(0.761_594_2)),
     (GLOp::Asinh, &[b(1.0)], b(0.881_373_6)),
-    (GLOp::Acosh, &[b(2.0)], b(1.316_957_9)),
+    (GLOp::Acosh, &[b(2.0)], b(1.316_958)),
     (GLOp::Atanh, &[b(0.5)], b(0.549_306_15)),
     (GLOp::Exp, &[b(1.0)], b(E)),
     (GLOp::Log, &[b(2.0)], b(LN_2)),
