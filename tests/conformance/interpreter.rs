@@ -378,6 +378,49 @@ fn subgroups() {
 }
 
 #[test]
+fn subgroups_in_their_rarer_ways() {
+    let body = "
+    uint at = 12 * lane;
+    uvec4 fifths = subgroupBallot(lane % 5 == 2);
+    o[at] = subgroupShuffleUp(lane, 2);
+    o[at + 1] = subgroupShuffleDown(lane, 3);
+    o[at + 2] = subgroupQuadBroadcast(lane, 2);
+    o[at + 3] = subgroupQuadSwapVertical(lane);
+    o[at + 4] = subgroupQuadSwapDiagonal(lane);
+    o[at + 5] = subgroupBallotFindLSB(fifths);
+    o[at + 6] = subgroupBallotInclusiveBitCount(fifths);
+    o[at + 7] = subgroupBallotBitCount(fifths);
+    o[at + 8] = uint(subgroupBallotBitExtract(fifths, 7));
+    o[at + 9] = subgroupMul(lane % 32 < 3 ? 3 : 1);
+    o[at + 10] = subgroupExclusiveOr(1u << gl_SubgroupInvocationID);
+    o[at + 11] = subgroupClusteredMin(lane ^ 5, 8);";
+    let given = Given { buffers: vec![vec![0; 2], vec![0; 768]], groups: [1; 3], ..Given::default() };
+    for level in [shaderc::OptimizationLevel::Zero, shaderc::OptimizationLevel::Performance] {
+        let (after, _) = run(&compiled(&kernel("", body), level), &given, false);
+        for lane in 0..64u32 {
+            let (own, first) = (lane % 32, lane / 32 * 32);
+            let fifths: Vec<u32> = (0..32).filter(|k| (first + k) % 5 == 2).collect();
+            let expected = [
+                // One that takes from nobody keeps its own.
+                if own < 2 { lane } else { lane - 2 },
+                if own > 28 { lane } else { lane + 3 },
+                lane / 4 * 4 + 2,
+                lane ^ 2,
+                lane ^ 3,
+                fifths[0],
+                fifths.iter().filter(|k| **k <= own).count() as u32,
+                fifths.len() as u32,
+                u32::from(fifths.contains(&7)),
+                27,
+                (1 << own) - 1,
+                lane / 8 * 8,
+            ];
+            assert_eq!(after[1][12 * lane as usize..][..12], expected, "{lane}");
+        }
+    }
+}
+
+#[test]
 fn what_a_dispatch_gives() {
     let text = "#version 460
 #extension GL_EXT_scalar_block_layout : require

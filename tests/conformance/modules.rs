@@ -95,6 +95,50 @@ fn what_is_malformed_is_refused_by_what_is_wrong() {
     }
 }
 
+#[test]
+fn instructions_that_few_compilers_make_have_the_values_computed_by_hand() {
+    let store = |k: u32, id: &str| format!("%o{k} = OpAccessChain %to %out %0 %k{k}\nOpStore %o{k} {id}\n");
+    let mut declarations = "OpDecorate %array ArrayStride 4
+OpMemberDecorate %block 0 Offset 0
+OpDecorate %out Binding 0
+%array = OpTypeRuntimeArray %uint
+%block = OpTypeStruct %array
+%to_block = OpTypePointer StorageBuffer %block
+%to = OpTypePointer StorageBuffer %uint
+%out = OpVariable %to_block StorageBuffer
+%pair = OpTypeStruct %uint %uint
+%other = OpTypeStruct %uint %uint
+"
+    .to_string();
+    (0..12).for_each(|k| writeln!(declarations, "%k{k} = OpConstant %uint {k}").unwrap());
+    declarations += "%v = OpConstantComposite %uvec3 %k2 %k3 %k5\n%p = OpConstantComposite %pair %k3 %k7\n\
+                     %q = OpConstantComposite %pair %k4 %k8\n%false = OpConstantFalse %bool";
+    let parts = [
+        "%a = OpVectorInsertDynamic %uvec3 %v %k7 %k1\n%a1 = OpVectorExtractDynamic %uint %a %k1\n".into(),
+        store(0, "%a1") + "%a2 = OpCompositeExtract %uint %a 2\n" + &store(1, "%a2"),
+        "%b = OpCopyObject %other %p\n%b1 = OpCompositeExtract %uint %b 1\n".into(),
+        store(2, "%b1") + "%o3 = OpAccessChain %to %out %0 %k3\nOpCopyMemory %o3 %o1\n",
+        "%c = OpCompositeInsert %uvec3 %k9 %v 0\n%d = OpVectorShuffle %uvec2 %c %v 0 4\n".into(),
+        "%d0 = OpCompositeExtract %uint %d 0\n%d1 = OpCompositeExtract %uint %d 1\n".into(),
+        store(4, "%d0") + &store(5, "%d1") + "%o6 = OpAccessChain %to %out %0 %k6\n",
+        "OpAtomicStore %o6 %k1 %k0 %k9\n%e = OpAtomicLoad %uint %o6 %k1 %k0\n".into(),
+        store(7, "%e") + "%f = OpAtomicIIncrement %uint %o6 %k1 %k0\n%g = OpAtomicIIncrement %uint %o6 %k1 %k0\n",
+        store(8, "%g") + "%h = OpAtomicIDecrement %uint %o6 %k1 %k0\n%i = OpSelect %pair %false %p %q\n",
+        "%j = OpCompositeExtract %uint %i 1\n".to_string() + &store(9, "%j"),
+    ];
+    let mut words = assembled(&declarations, &body(&parts.concat()));
+    // The assembler has no OpCopyLogical.
+    words.iter_mut().filter(|word| **word == 0x4_0053).for_each(|word| *word = 0x4_0190);
+    let kernel = Kernel::new("own", &words, &BTreeMap::new()).unwrap();
+    let (memory, part) = (Memory::of(&[0; 4 * 12]), Part { memory: 0, first: 0, count: 12 });
+    let (bound, memory) = (BTreeMap::from([(0, part)]), [&memory]);
+    let launched =
+        Launched { groups: [1; 3], push: &[], bound: &bound, memory: &memory, subgroup: 32, most_blocks: MOST_BLOCKS };
+    kernel.run(&launched).unwrap();
+    let found: Vec<u32> = (0..10).map(|word| memory[0].get(word)).collect();
+    assert_eq!(found, [7, 5, 7, 5, 9, 3, 10, 9, 10, 8]);
+}
+
 /// Types made of each other: `%t1` of `%t0`, and so on.
 fn nested(first: &str, count: u32, declared: impl Fn(u32) -> String) -> String {
     let mut text = format!("{first}\n");
