@@ -331,6 +331,19 @@ fn atomic_operations() {
     assert_eq!(found, [5, 63, u32::MAX, 1, 0xff00, 64, 4, 9, 0, 642_016]);
 }
 
+/// What groups load by atomic operations does not depend on how many processors there are.
+#[test]
+fn groups_that_load_what_others_change_run_in_order() {
+    let body = "
+    if (lane == 0) {
+        atomicMax(o[0], gl_WorkGroupID.x + 1);
+        o[1 + gl_WorkGroupID.x] = atomicLoad(o[0], gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsRelaxed);
+    }";
+    let given = Given { buffers: vec![vec![0; 2], vec![0; 201]], groups: [200, 1, 1], ..Given::default() };
+    let found = check(&kernel("", body), &given);
+    assert!((0u32..).zip(&found[1..]).all(|(group, found)| *found == group + 1), "{found:?}");
+}
+
 #[test]
 fn subgroups() {
     let body = "
