@@ -256,5 +256,5 @@ fn no_mutant_of_a_small_kernel_panics() {
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn no_mutant_of_a_kernel_panics() {
-    survives(&by_size(), 300);
+    survives(&by_size(), 60);
 }
