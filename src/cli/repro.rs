@@ -16,6 +16,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Adapter, Device, Instance};
 use milkglass::internals::view::atomic_file::ready;
 use milkglass::measure::folder::CASE;
+use milkglass::measure::interpreted::{self, DEVICE};
 use milkglass::measure::repro::Case;
 use milkglass::measure::repro::minimize::minimize;
 use milkglass::measure::repro::run::Found;
@@ -33,6 +34,11 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
+    /// Whether it is the interpreter of kernels, which is no Vulkan device.
+    fn interprets(&self) -> bool {
+        interpreted::is_asked(self.device.as_deref())
+    }
+
     /// Opens the device.
     pub(super) fn open(&self) -> Result<Device> {
         let instance = Instance::open(!self.no_validation)?;
@@ -42,6 +48,9 @@ impl Chosen {
 
     /// Its facts.
     fn look(&self) -> Result<Adapter> {
+        if self.interprets() {
+            return Ok(interpreted::adapter());
+        }
         let adapters = Instance::open(!self.no_validation)?.adapters()?;
         Ok(adapters[self.index(&adapters)?].clone())
     }
@@ -89,6 +98,21 @@ pub struct Arguments {
 }
 
 impl Arguments {
+    /// Fails where a report is asked for of what has none: a case on a device, in Markdown.
+    fn report_is_sound(&self, cases: usize) -> Result<()> {
+        let Some(file) = &self.bug else { return Ok(()) };
+        let (what, found, expected) = if self.device.interprets() {
+            ("a report is of a driver", file.display().to_string(), "a Vulkan device")
+        } else if file.extension().is_none_or(|ending| ending != "md") {
+            ("the report is Markdown", file.display().to_string(), "a file that ends in .md")
+        } else if cases != 1 {
+            ("a report is of one case", format!("{}, {cases} cases", file.display()), "the folder of one case")
+        } else {
+            return Ok(());
+        };
+        Err(Input::new(what).key("--bug").found(found).expected(expected).into())
+    }
+
     /// The report of a case that ended so.
     fn report(&self, (folder, case): (&Path, &Case), ended: &bug::Ended, adapter: &Adapter) -> Result<String> {
         let layer = Instance::open(!self.device.no_validation)?.layer();
@@ -128,27 +152,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         cases.push((folder, case));
     }
     if arguments.child {
-        let device = arguments.device.open()?;
+        let device = (!arguments.device.interprets()).then(|| arguments.device.open()).transpose()?;
         say(&Said::Opened)?;
-        return cases
-            .iter()
-            .try_for_each(|(_, case)| say(&Said::Found(case.replay(&device, arguments.times as usize)?)));
+        return cases.iter().try_for_each(|(_, case)| {
+            let found = device.as_ref().map(|device| case.replay(device, arguments.times as usize));
+            say(&Said::Found(found.unwrap_or_else(|| case.interpreted())?))
+        });
     }
     ready([("--bug", arguments.bug.as_ref())])?;
-    if let Some(file) = arguments.bug.as_ref().filter(|file| file.extension().is_none_or(|ending| ending != "md")) {
-        let fault = Input::new("the report is Markdown").key("--bug").found(file.display());
-        return Err(fault.expected("a file that ends in .md").into());
-    }
-    if let (Some(file), false) = (&arguments.bug, cases.len() == 1) {
-        let fault = Input::new("a report is of one case").key("--bug").found(format!(
-            "{}, {} cases",
-            file.display(),
-            cases.len()
-        ));
-        return Err(fault.expected("the folder of one case").into());
-    }
+    arguments.report_is_sound(cases.len())?;
     let adapter = arguments.device.look()?;
-    let mut words = vec!["--device".to_string(), adapter.number.to_string()];
+    let number = if arguments.device.interprets() { DEVICE.into() } else { adapter.number.to_string() };
+    let mut words = vec!["--device".to_string(), number];
     words.extend(arguments.device.no_validation.then(|| "--no-validation".to_string()));
     words.extend(arguments.replace.words().map(str::to_string));
     let (mut rows, mut failed) = (Vec::new(), 0);

@@ -15,6 +15,12 @@ use crate::pipeline::frame::owner;
 /// The interpreter's name among devices.
 pub const DEVICE: &str = "interpreter";
 
+/// Whether the wish for a device is for the interpreter.
+#[must_use]
+pub fn is_asked(wish: Option<&str>) -> bool {
+    wish.is_some_and(|wish| wish.eq_ignore_ascii_case(DEVICE))
+}
+
 /// The interpreter as results name a device.
 #[must_use]
 pub fn adapter() -> Adapter {

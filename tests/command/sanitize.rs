@@ -33,6 +33,19 @@ fn the_interpreter_is_a_device() {
 }
 
 #[test]
+fn a_case_is_replayed_on_the_interpreter() {
+    let here = folder(&[]);
+    good(&here, "dump push --fixture sliver --no-validation -o sound");
+    let (out, _) = good(&here, "replay sound --device interpreter");
+    assert!(out.contains("interpreter, milkglass") && out.contains("passes"), "{out}");
+    let (text, _) = good(&here, "shader transport/blocks/push");
+    std::fs::write(here.path().join("swap.comp"), text.replace("max(sum, vec3(0))", "max(sum.yxz, vec3(0))")).unwrap();
+    let command = "replay sound --device interpreter --replace transport/blocks/push=swap.comp";
+    bad(&here, command, 1, &["radiosity[", "1 case fails on this device"]);
+    bad(&here, "replay sound --device interpreter --bug bug.md", 2, &["--bug", "a Vulkan device"]);
+}
+
+#[test]
 fn what_takes_a_device_is_refused() {
     let here = folder(&[("a.toml", BALL)]);
     bad(&here, "conform a.toml --device interpreter --isolate", 2, &["--isolate", "a Vulkan device"]);

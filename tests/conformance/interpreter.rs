@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use milkglass::measure::interpret::{Finding, Kernel, Launched, Memory, Part};
+use milkglass::measure::interpret::{Finding, Kernel, Launched, MOST_BLOCKS, Memory, Part};
 
 /// Invocations of a subgroup.
 const SUBGROUP: u32 = 32;
@@ -41,7 +41,8 @@ pub fn run(words: &[u32], given: &Given<'_>, watched: bool) -> (Vec<Vec<u32>>, V
     let bound: BTreeMap<u32, Part> = given.buffers.iter().enumerate().map(part).collect();
     let memory: Vec<&Memory> = own.iter().collect();
     let push = bytemuck::cast_slice(given.push);
-    let launched = Launched { groups: given.groups, push, bound: &bound, memory: &memory, subgroup: SUBGROUP };
+    let (groups, bound, memory) = (given.groups, &bound, &memory[..]);
+    let launched = Launched { groups, push, bound, memory, subgroup: SUBGROUP, most_blocks: MOST_BLOCKS };
     let findings = match watched {
         true => kernel.findings(&launched).unwrap(),
         false => {
@@ -67,6 +68,7 @@ pub fn kernel(before: &str, body: &str) -> String {
 #extension GL_KHR_shader_subgroup_shuffle_relative : require
 #extension GL_KHR_shader_subgroup_clustered : require
 #extension GL_KHR_shader_subgroup_quad : require
+#extension GL_KHR_memory_scope_semantics : require
 layout(local_size_x = 64) in;
 layout(binding = 0, scalar) buffer Words {{ uint x[]; }};
 layout(binding = 1, scalar) buffer Out {{ uint o[]; }};
@@ -329,6 +331,19 @@ fn atomic_operations() {
     assert_eq!(found, [5, 63, u32::MAX, 1, 0xff00, 64, 4, 9, 0, 642_016]);
 }
 
+/// What groups load by atomic operations does not depend on how many processors there are.
+#[test]
+fn groups_that_load_what_others_change_run_in_order() {
+    let body = "
+    if (lane == 0) {
+        atomicMax(o[0], gl_WorkGroupID.x + 1);
+        o[1 + gl_WorkGroupID.x] = atomicLoad(o[0], gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsRelaxed);
+    }";
+    let given = Given { buffers: vec![vec![0; 2], vec![0; 201]], groups: [200, 1, 1], ..Given::default() };
+    let found = check(&kernel("", body), &given);
+    assert!((0u32..).zip(&found[1..]).all(|(group, found)| *found == group + 1), "{found:?}");
+}
+
 #[test]
 fn subgroups() {
     let body = "
@@ -372,6 +387,49 @@ fn subgroups() {
             own,
         ];
         assert_eq!(found[16 * lane as usize..][..16], expected, "{lane}");
+    }
+}
+
+#[test]
+fn subgroups_in_their_rarer_ways() {
+    let body = "
+    uint at = 12 * lane;
+    uvec4 fifths = subgroupBallot(lane % 5 == 2);
+    o[at] = subgroupShuffleUp(lane, 2);
+    o[at + 1] = subgroupShuffleDown(lane, 3);
+    o[at + 2] = subgroupQuadBroadcast(lane, 2);
+    o[at + 3] = subgroupQuadSwapVertical(lane);
+    o[at + 4] = subgroupQuadSwapDiagonal(lane);
+    o[at + 5] = subgroupBallotFindLSB(fifths);
+    o[at + 6] = subgroupBallotInclusiveBitCount(fifths);
+    o[at + 7] = subgroupBallotBitCount(fifths);
+    o[at + 8] = uint(subgroupBallotBitExtract(fifths, 7));
+    o[at + 9] = subgroupMul(lane % 32 < 3 ? 3 : 1);
+    o[at + 10] = subgroupExclusiveOr(1u << gl_SubgroupInvocationID);
+    o[at + 11] = subgroupClusteredMin(lane ^ 5, 8);";
+    let given = Given { buffers: vec![vec![0; 2], vec![0; 768]], groups: [1; 3], ..Given::default() };
+    for level in [shaderc::OptimizationLevel::Zero, shaderc::OptimizationLevel::Performance] {
+        let (after, _) = run(&compiled(&kernel("", body), level), &given, false);
+        for lane in 0..64u32 {
+            let (own, first) = (lane % 32, lane / 32 * 32);
+            let fifths: Vec<u32> = (0..32).filter(|k| (first + k) % 5 == 2).collect();
+            let expected = [
+                // One that takes from nobody keeps its own.
+                if own < 2 { lane } else { lane - 2 },
+                if own > 28 { lane } else { lane + 3 },
+                lane / 4 * 4 + 2,
+                lane ^ 2,
+                lane ^ 3,
+                fifths[0],
+                fifths.iter().filter(|k| **k <= own).count() as u32,
+                fifths.len() as u32,
+                u32::from(fifths.contains(&7)),
+                27,
+                (1 << own) - 1,
+                lane / 8 * 8,
+            ];
+            assert_eq!(after[1][12 * lane as usize..][..12], expected, "{lane}");
+        }
     }
 }
 

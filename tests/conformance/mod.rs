@@ -15,6 +15,8 @@ mod interpreter;
 mod labels;
 mod lanes;
 mod limits;
+#[cfg(feature = "shaderc")]
+mod modules;
 mod mutants;
 mod pictures;
 mod repro;

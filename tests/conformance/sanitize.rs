@@ -1,6 +1,7 @@
 //! `conform --sanitize`: each planted fault is found by its kind and its line of GLSL, and built-in kernels have none.
 
 use milkglass::internals::gpu::{Given as Constants, replacements, source};
+use milkglass::internals::layout::BufferId;
 use milkglass::measure::fixtures::{EVERY_KERNEL, fixture};
 use milkglass::measure::interpret::stage::Interpreter;
 use milkglass::measure::interpret::{Finding, Kind, POISON};
@@ -15,13 +16,21 @@ fn line(text: &str, words: &str) -> u32 {
     found.unwrap_or_else(|| panic!("{words} is not in\n{text}")) as u32 + 1
 }
 
-fn assert_found(findings: &[Finding], kind: Kind, (file, line): (&str, u32), name: &str) {
-    let fits =
-        |finding: &&Finding| finding.kind == kind && finding.site.file.ends_with(file) && finding.site.line == line;
-    assert!(findings.iter().any(|finding| fits(&finding)), "{name}: no {kind:?} at {file}:{line}: {findings:#?}");
+/// Asserts that findings are of these kinds, files and lines: each of them, and nothing else.
+fn assert_found(findings: &[Finding], expected: &[(Kind, &str, u32)], name: &str) {
+    let fits = |finding: &Finding, (kind, file, line): &(Kind, &str, u32)| {
+        finding.kind == *kind && finding.site.file.ends_with(file) && finding.site.line == *line
+    };
+    let all = expected.iter().all(|own| findings.iter().any(|finding| fits(finding, own)));
+    let sole = findings.iter().all(|finding| expected.iter().any(|own| fits(finding, own)));
+    assert!(all && sole, "{name}: not {expected:?}: {findings:#?}");
 }
 
-/// Kernels with a fault in the line that says `here`: its kind, what comes before `main`, and the body.
+/// An atomic load of the first word.
+const LOADED: &str = "#define LOADED atomicLoad(o[0], gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsRelaxed)";
+
+/// Kernels with a fault in the line that says `here`: its kind, what comes before `main`, and the body. One that names
+/// its group runs in two of them.
 const FAULTS: &[(Kind, &str, &str)] = &[
     (Kind::Race, "shared uint s[64];", "s[lane] = lane;\no[lane] = s[(lane + 1) % 64]; // here"),
     (Kind::Race, "", "o[lane / 2] = lane; // here"),
@@ -39,13 +48,38 @@ const FAULTS: &[(Kind, &str, &str)] = &[
         "shared uint s[2];",
         "if (lane == 0) s[0] = 0;\nbarrier();\natomicAdd(s[0], 1);\nif (lane == 9) s[0] = 3; // here",
     ),
-    (Kind::Bounds, "", "o[lane] = x[lane + 1]; // here"),
+    (Kind::Bounds, "", "o[lane] = x[lane + 64]; // here"),
     (Kind::Bounds, "", "o[lane + 250] = 1; // here"),
     (Kind::Bounds, "shared uint s[64];", "s[lane + a] = 1; // here\nbarrier();\no[lane] = s[63];"),
     (Kind::Bounds, "", "uint p[4] = uint[4](0, 0, 0, 0);\np[(lane + a) % 5] = lane; // here\no[lane] = p[b];"),
     (Kind::Undefined, "", "uint v;\nif (a > 100) v = 1;\nif (v == lane) // here\no[lane] = 1;"),
     (Kind::Undefined, "shared uint s[64];", "if (lane < 63) s[lane] = 1;\nbarrier();\no[lane] = s[lane]; // here"),
     (Kind::Undefined, "", "o[lane] = 2 * x[lane]; // here"),
+    (Kind::Undefined, "shared uint s[2];", "atomicAdd(s[0], lane); // here"),
+    (Kind::Undefined, "", "if (lane > 1) o[lane] = atomicMax(x[lane], 5); // here"),
+    (Kind::Undefined, "", "atomicCompSwap(o[lane], x[lane], 5); // here"),
+    (Kind::Undefined, "", "atomicCompSwap(o[lane], 0, x[lane]); // here"),
+    (
+        Kind::Undefined,
+        "",
+        "o[lane] = atomicLoad(x[lane], gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsRelaxed); // here",
+    ),
+    (Kind::Undefined, "", "uint v = subgroupAdd(x[lane]);\no[lane] = v; // here"),
+    (Kind::Undefined, "", "uint v = subgroupInclusiveMax(x[lane]);\nif (lane >= 40) o[lane] = v; // here"),
+    (Kind::Undefined, "", "bool v = subgroupAny(x[lane] > 30); // here\no[lane] = uint(v);"),
+    (Kind::Undefined, "", "bool v = subgroupAll(x[lane] > 30); // here\no[lane] = uint(v);"),
+    (Kind::Undefined, "", "bool v = subgroupAllEqual(x[lane]); // here\no[lane] = uint(v);"),
+    (Kind::Undefined, "", "uvec4 v = subgroupBallot(x[lane] > 30); // here\no[lane] = v.x;"),
+    (Kind::Undefined, "", "uint v = subgroupBallotBitCount(uvec4(x[lane])); // here\no[lane] = v;"),
+    (Kind::Undefined, "", "bool v = subgroupInverseBallot(uvec4(x[lane])); // here\no[lane] = uint(v);"),
+    (Kind::Race, LOADED, "if (lane == 0) o[0] = 1;\nuint v = LOADED; // here\nif (v < 5) o[1 + lane] = v;"),
+    // One that only loads hands nothing over.
+    (
+        Kind::Race,
+        LOADED,
+        "o[1 + lane] = 1;\nmemoryBarrierBuffer();\nuint v = LOADED;\nmemoryBarrierBuffer();\n\
+         if (v == 0) o[70 + lane] = o[64 - lane]; // here",
+    ),
     (Kind::Divergence, "", "if (lane < 32)\nbarrier(); // here"),
     (Kind::Divergence, "", "if (lane == a) return;\nbarrier(); // here\no[lane] = 1;"),
     (
@@ -57,10 +91,10 @@ const FAULTS: &[(Kind, &str, &str)] = &[
 ];
 
 /// What the kernels read: 1, 2, ..., and a word that nothing has written.
-fn given() -> Given<'static> {
+fn given(groups: u32) -> Given<'static> {
     let mut words: Vec<u32> = (1..=64).collect();
     words[40] = POISON;
-    Given { buffers: vec![words, vec![0; 300]], groups: [2, 1, 1], ..Given::default() }
+    Given { buffers: vec![words, vec![0; 300]], groups: [groups, 1, 1], ..Given::default() }
 }
 
 #[test]
@@ -68,8 +102,9 @@ fn planted_faults_are_found_by_kind_and_line() {
     for (kind, before, body) in FAULTS {
         let text = kernel(before, body);
         for level in [OptimizationLevel::Zero, OptimizationLevel::Performance] {
-            let (_, findings) = run(&compiled(&text, level), &given(), true);
-            assert_found(&findings, *kind, ("own.comp", line(&text, "here")), body);
+            let groups = if body.contains("gl_WorkGroupID") { 2 } else { 1 };
+            let (_, findings) = run(&compiled(&text, level), &given(groups), true);
+            assert_found(&findings, &[(*kind, "own.comp", line(&text, "here"))], body);
             let invocations = findings.iter().all(|finding| finding.what.contains("invocation"));
             assert!(invocations, "{findings:#?}");
         }
@@ -94,12 +129,15 @@ fn what_is_ordered_is_no_fault() {
         ),
         // A value that does not matter.
         ("", "uint v = x[lane];\nif (lane < 40) o[64 * gl_WorkGroupID.x + lane] = v;"),
+        (LOADED, "uint v = LOADED + o[0];\no[1 + 64 * gl_WorkGroupID.x + lane] = v;"),
+        // The sum before a value that nothing wrote is one.
+        ("", "uint v = subgroupExclusiveAdd(x[lane]);\nif (lane <= 40) o[64 * gl_WorkGroupID.x + lane] = v;"),
         (
             "",
             "atomicMax(o[0], lane);\nif (lane % 2 == 0) o[1 + lane + 64 * gl_WorkGroupID.x] = subgroupShuffle(lane, gl_SubgroupInvocationID ^ 2);",
         ),
     ] {
-        let (_, findings) = run(&compiled(&kernel(before, body), OptimizationLevel::Performance), &given(), true);
+        let (_, findings) = run(&compiled(&kernel(before, body), OptimizationLevel::Performance), &given(2), true);
         assert!(findings.is_empty(), "{body}\n{findings:#?}");
     }
 }
@@ -171,6 +209,20 @@ const PLANTED: &[Planted] = &[
     ),
 ];
 
+/// What else these faults lead to: what is planted, the kind, the end of the file's name, and words of the line.
+const FURTHER: &[(&str, Kind, &str, &str)] = &[
+    ("    }", Kind::Race, "lighting/shadow", "uint face = pool["),
+    ("pool[self.stack] = WIDE * way.tops;", Kind::Race, "own.glsl", "uint node = top"),
+    ("sums[self - step - 1] :", Kind::Race, "transport/blocks/link/scan", "near[at.y] = i;"),
+    ("sums[self - step - 1] :", Kind::Race, "transport/blocks/link/write.comp", "entries[at.x + at.y + at.z + at.w]"),
+    (
+        "BLOCK_RECEIVERS + slot + 1] = sum;",
+        Kind::Undefined,
+        "transport/blocks/gather/direct",
+        "received[self.face] = only_group(",
+    ),
+];
+
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn faults_planted_in_built_in_kernels_are_found_by_kind_and_line() {
@@ -188,7 +240,12 @@ fn faults_planted_in_built_in_kernels_are_found_by_kind_and_line() {
         let fixture = if name.contains("shaft") { &sphere } else { &strip };
         all.add(&interpreter, fixture, &[(*stage).to_string()]).unwrap();
         let findings: Vec<Finding> = all.findings.into_iter().map(|(finding, _)| finding).collect();
-        assert_found(&findings, *kind, ("own.glsl", line(&text, words)), &format!("{name}, {to}"));
+        let mut expected = vec![(*kind, "own.glsl", line(&text, words))];
+        for (_, kind, file, words) in FURTHER.iter().filter(|(fault, ..)| fault == to) {
+            let other = source(file.trim_end_matches(".comp"));
+            expected.push((*kind, file, line(other.as_deref().unwrap_or(&text), words)));
+        }
+        assert_found(&findings, &expected, &format!("{name}, {to}"));
         assert!(findings.iter().all(|finding| finding.kernel.contains(stage)), "{findings:#?}");
     }
 }
@@ -206,6 +263,23 @@ fn is_sound(names: &[&str]) {
 #[test]
 fn built_in_kernels_have_no_fault_on_a_sliver() {
     is_sound(&["sliver"]);
+}
+
+#[test]
+fn counts_of_groups_are_told_if_nothing_wrote_them_and_refused_if_no_device_has_so_many() {
+    let fixture = fixture("sliver").unwrap();
+    let first = fixture.steps.iter().position(|step| step.stage.name == "gather").unwrap();
+    let mut state = fixture.state.clone();
+    fixture.steps[..first].iter().for_each(|step| step.reference(&mut state));
+    let [nothing, many] = [POISON, 70_000].map(|count| {
+        let mut state = state.clone();
+        bytemuck::cast_slice_mut::<u8, u32>(state.data.bytes_mut(BufferId::near_groups)).fill(count);
+        Interpreter::default().run(&state, fixture.steps[first], true)
+    });
+    let findings = nothing.unwrap().findings(&state);
+    let told = |finding: &&Finding| finding.kind == Kind::Undefined && finding.what.contains("near_groups");
+    assert!(findings.iter().filter(told).count() > 1, "{findings:#?}");
+    assert!(many.err().unwrap().to_string().contains("at most 65535"));
 }
 
 /// Of the fixtures that run every kernel, those that take more than ten seconds.

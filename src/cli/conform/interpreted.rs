@@ -15,11 +15,6 @@ use milkglass::measure::interpreted::{DEVICE, Sanitized, adapter, conform_interp
 use milkglass::measure::leaning::blame;
 use milkglass::measure::results::{DeviceFacts, Outcome, Results};
 
-/// Whether the interpreter takes the place of a device.
-pub(super) fn is_asked(arguments: &Arguments) -> bool {
-    arguments.device.as_deref().is_some_and(|wish| wish.eq_ignore_ascii_case(DEVICE))
-}
-
 /// The interpreter with the replaced kernels, and the stages to run on it: all if there are none.
 fn interpreter(arguments: &Arguments) -> Result<(Interpreter, Vec<String>)> {
     let interpreter = Interpreter::new(arguments.replace.load()?);

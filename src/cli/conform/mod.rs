@@ -26,6 +26,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Adapter, Device, Instance};
 use milkglass::internals::pipeline::frame::{STAGES, stage};
 use milkglass::internals::view::atomic_file::ready;
+use milkglass::measure::interpreted::is_asked;
 use milkglass::measure::probe::probe;
 use milkglass::measure::results::{DeviceFacts, Outcome, Results, read};
 
@@ -50,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ("--coverage", arguments.coverage.as_ref()),
     ])?;
     let before: Option<Results> = arguments.baseline.as_deref().map(read).transpose()?;
-    if interpreted::is_asked(arguments) {
+    if is_asked(arguments.device.as_deref()) {
         return interpreted::run(arguments, &choices, before.as_ref());
     }
     let known = expect::load(arguments.expect.as_deref())?;

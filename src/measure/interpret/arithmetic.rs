@@ -261,3 +261,6 @@ pub(super) fn ones(count: u32) -> u32 {
 fn shifted_down(a: u32, by: u32) -> u32 {
     a.checked_shr(by).unwrap_or(0)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,6 @@
 //! From a module of SPIR-V to a kernel that can be run: what the module declares.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 
 use spirq::spirv::{BuiltIn, Decoration, ExecutionMode, Op, StorageClass};
@@ -45,6 +45,10 @@ pub(super) struct Builder<'a> {
     pub(super) private: Vec<(u32, u32)>,
     /// Variables that have a value at first: registers, and those of the value.
     pub(super) initial: Vec<(u32, u32)>,
+    /// What instructions of functions take: their operands, be they ids or not.
+    pub(super) taken: HashSet<u32>,
+    /// How many instructions, numbers of values and edges have been made.
+    pub(super) made: usize,
 }
 
 /// The kernel of a module, with these values of specialization constants.
@@ -67,17 +71,23 @@ pub(super) fn decoded(words: &[u32], special: &BTreeMap<u32, u32>) -> Decoded<Co
         sites: HashMap::new(),
         private: Vec::new(),
         initial: Vec::new(),
+        taken: HashSet::new(),
+        made: 0,
     };
     let entry = builder.declarations(special)?;
     builder.kernel(entry)?;
     let Builder { mut code, blocks, known, .. } = builder;
-    code.blocks = super::flow::ordered(blocks);
+    code.blocks = super::flow::ordered(blocks)?;
     code.constants = known.into_iter().collect();
     Ok(code)
 }
 
 /// Most words that a group shares.
 const MOST_SHARED: u32 = 1 << 16;
+/// Most registers of a kernel.
+const MOST_REGISTERS: u32 = 1 << 21;
+/// Most instructions, numbers of values and edges that are made of a module.
+const MOST_MADE: usize = 1 << 24;
 
 /// A part of a value, from this number on.
 pub(super) fn part_of(all: &[u32], first: usize, count: u32) -> Decoded<Vec<u32>> {
@@ -93,7 +103,9 @@ fn buffer_name(binding: u32) -> String {
 
 /// The text of a literal.
 fn text(words: &[u32]) -> String {
-    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect();
+    const MOST: usize = 1 << 10;
+    let bytes = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0);
+    let bytes: Vec<u8> = bytes.take(MOST).collect();
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
@@ -168,10 +180,7 @@ impl<'a> Builder<'a> {
             (Op::ConstantFalse | Op::SpecConstantFalse, _) => vec![self.number(given.unwrap_or(0))],
             (Op::ConstantNull, _) => vec![self.number(0); self.types.count(ty)? as usize],
             (Op::Undef, _) => self.undefined(ty)?,
-            (Op::ConstantComposite | Op::SpecConstantComposite, parts) => {
-                let parts = parts.iter().map(|part| self.numbers(*part)).collect::<Decoded<Vec<_>>>()?;
-                self.whole(ty, &parts)?
-            }
+            (Op::ConstantComposite | Op::SpecConstantComposite, parts) => self.whole(ty, parts)?,
             (Op::SpecConstantOp, [what, operands @ ..]) => {
                 let what = Op::from_u32(*what).ok_or("it computes a constant in a way that is not known")?;
                 self.computed(what, ty, operands)?
@@ -180,14 +189,31 @@ impl<'a> Builder<'a> {
             // What else comes before functions has no result.
             _ => return Ok(()),
         };
-        self.global.insert(id, Value::Numbers(ty, numbers));
-        Ok(())
+        self.set(id, Value::Numbers(ty, numbers));
+        self.is_small()
     }
 
     /// The numbers of a value that is put together of these parts; an error if they are not as many as its type has.
-    pub(super) fn whole(&self, ty: u32, parts: &[Vec<u32>]) -> Decoded<Vec<u32>> {
-        let (count, given) = (self.types.count(ty)? as usize, parts.iter().map(Vec::len).sum::<usize>());
-        if given == count { Ok(parts.concat()) } else { Err(format!("it makes {count} numbers of {given}")) }
+    pub(super) fn whole(&self, ty: u32, parts: &[u32]) -> Decoded<Vec<u32>> {
+        let (count, mut all) = (self.types.count(ty)? as usize, Vec::new());
+        for part in parts {
+            all.extend(self.numbers(*part)?);
+            if all.len() > count {
+                break;
+            }
+        }
+        match all.len() {
+            given if given == count => Ok(all),
+            given => Err(format!("it makes {count} numbers of {given}{}", if given > count { " or more" } else { "" })),
+        }
+    }
+
+    /// Fails where so much is made of a module that memory may not hold it.
+    pub(super) fn is_small(&self) -> Decoded<()> {
+        match self.code.registers > MOST_REGISTERS || self.made > MOST_MADE {
+            true => Err("it has too many numbers".into()),
+            false => Ok(()),
+        }
     }
 
     /// The value of an expression of constants.
@@ -202,7 +228,7 @@ impl<'a> Builder<'a> {
             }
             return part_of(&all, first as usize, self.types.count(of)?);
         }
-        let operands = operands.iter().map(|id| self.numbers(*id)).collect::<Decoded<Vec<_>>>()?;
+        let operands = operands.iter().take(3).map(|id| self.numbers(*id)).collect::<Decoded<Vec<_>>>()?;
         let known =
             |list: &Vec<u32>| list.iter().map(|register| self.constant(*register)).collect::<Option<Vec<u32>>>();
         let values =
@@ -278,8 +304,8 @@ impl<'a> Builder<'a> {
         if let ([value], Root::Registers(first)) = (initial, root) {
             self.initial.extend((first..).zip(self.numbers(*value)?));
         }
-        self.global.insert(id, Value::Pointer(pointer));
-        Ok(())
+        self.set(id, Value::Pointer(pointer));
+        self.is_small()
     }
 
     /// A pointer to a variable, which is added to the list.
@@ -362,8 +388,9 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Notes what an id of the function stands for.
+    /// Notes what an id of the function stands for, or of the module before there is one.
     pub(super) fn set(&mut self, id: u32, value: Value) {
+        self.made += if let Value::Numbers(_, numbers) = &value { numbers.len() } else { 1 };
         self.local.last_mut().map_or(&mut self.global, |local| local).insert(id, value);
     }
 
@@ -384,6 +411,7 @@ impl<'a> Builder<'a> {
 
     /// Adds an instruction to the last block.
     pub(super) fn act(&mut self, act: Act, site: u32) {
+        self.made += 1;
         if let Some(block) = self.blocks.last_mut() {
             block.acts.push(act);
             block.at.push(site);

@@ -2,10 +2,17 @@
 //! block where branches meet after all that lies between. Of the blocks in which invocations are, the first one of
 //! this order runs next, so that those that took different ways are together again where the ways meet.
 
-use super::code::Block;
+use super::code::{Block, Decoded};
 
 /// The blocks in that order, without those that nothing reaches; their edges name the new places.
-pub(super) fn ordered(blocks: Vec<Block>) -> Vec<Block> {
+pub(super) fn ordered(mut blocks: Vec<Block>) -> Decoded<Vec<Block>> {
+    let count = blocks.len();
+    let within = |block: &mut Block| {
+        block.end.edges_mut().iter().all(|edge| edge.to < count) && block.merges.iter().all(|to| *to < count)
+    };
+    if count == 0 || !blocks.iter_mut().all(within) {
+        return Err("a block goes on where there is none".into());
+    }
     let order = order(&blocks);
     let mut place = vec![usize::MAX; blocks.len()];
     for (new, old) in order.iter().enumerate() {
@@ -17,7 +24,7 @@ pub(super) fn ordered(blocks: Vec<Block>) -> Vec<Block> {
         block.end.edges_mut().into_iter().for_each(|edge| edge.to = place[edge.to]);
         block.merges.clear();
     }
-    sorted
+    Ok(sorted)
 }
 
 /// Depth first, the places where ways meet before the ways, and then backwards.

@@ -1,6 +1,6 @@
 //! The functions of a module as blocks. What a function calls is decoded in place of the call.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use spirq::spirv::Op;
 
@@ -11,31 +11,39 @@ use super::code::{Act, Block, Decoded, Edge, End};
 const BACK: usize = usize::MAX;
 /// Most calls within each other; SPIR-V has no recursion.
 const MOST_CALLS: usize = 64;
+/// Most arguments of a call, as SPIR-V has it.
+const MOST_ARGUMENTS: usize = 255;
 /// Most blocks of a kernel.
 const MOST_BLOCKS: usize = 1 << 17;
-/// Most registers of a kernel.
-const MOST_REGISTERS: u32 = 1 << 21;
-
-/// The numbers of a phi, and its value by the block before: an id and a label.
+/// The numbers of a phi, and the id of its value by the label of the block before.
 struct Phi {
-    label: u32,
     registers: Vec<u32>,
-    from: Vec<(u32, u32)>,
+    from: HashMap<u32, u32>,
 }
 
-/// A function as it is being decoded. Until it ends, edges and merges of its blocks lead to labels.
+/// A function as it is being decoded. Until it ends, edges of its blocks lead to labels.
 #[derive(Default)]
 struct Frame {
     /// The first block of each label.
     first: HashMap<u32, usize>,
-    /// Its blocks that end by an instruction of its own, and the label each belongs to.
-    ends: Vec<(usize, u32)>,
-    phis: Vec<Phi>,
+    /// Its blocks that end by a branch, the label that each belongs to, and those where its ways meet.
+    ends: Vec<(usize, u32, Vec<u32>)>,
+    /// Those of each label.
+    phis: HashMap<u32, Vec<Phi>>,
     label: u32,
+    /// Whether a label has begun a block that has not ended.
+    open: bool,
+    /// What the last instruction says of where ways meet: labels.
+    merges: Vec<u32>,
 }
 
 fn edge(label: u32) -> Edge {
     Edge { to: label as usize, moves: Vec::new() }
+}
+
+/// The end of a block that leaves the function: to where it was called, if it was.
+fn leaving(back: bool) -> End {
+    if back { End::Jump(Edge { to: BACK, moves: Vec::new() }) } else { End::Return }
 }
 
 impl Builder<'_> {
@@ -48,6 +56,14 @@ impl Builder<'_> {
         }
         for (d, a) in self.initial.clone() {
             self.act(Act::Move { d, a }, site);
+        }
+        for instruction in self.functions.values().flat_map(|range| &self.list[range.clone()]) {
+            let first = match instruction.op {
+                Some(Op::Line | Op::NoLine | Op::Label) => continue,
+                Some(Op::Store | Op::BranchConditional | Op::Switch | Op::ReturnValue) => 0,
+                _ => 2,
+            };
+            self.taken.extend(instruction.operands.iter().skip(first));
         }
         self.function(entry, Vec::new(), None)
     }
@@ -88,26 +104,18 @@ impl Builder<'_> {
                     let argument = arguments.next().ok_or("a call has too few arguments")?;
                     self.set(*id, argument);
                 }
-                (Op::Label, [label]) => {
-                    let first = frame.first.is_empty();
-                    let block = self.begin_block();
-                    if first {
-                        let end = End::Jump(Edge { to: block, moves: Vec::new() });
-                        let site = self.site("OpLabel".into());
-                        self.blocks[block - 1].end = end;
-                        self.blocks[block - 1].at.push(site);
-                    }
-                    frame.label = *label;
-                    frame.first.insert(*label, block);
-                }
+                (Op::Label, [label]) => self.label(*label, &mut frame)?,
+                (op, _) if !frame.open => return Err(format!("it has Op{op:?} outside of a block")),
                 (op, operands) => {
                     self.blocks.last_mut().into_iter().for_each(|block| block.length += 1);
                     self.statement(op, operands, &mut frame, result)?;
-                    if self.code.registers > MOST_REGISTERS {
-                        return Err("it has too many numbers".into());
-                    }
                 }
             }
+            self.made += 1;
+            self.is_small()?;
+        }
+        if frame.open || frame.first.is_empty() {
+            return Err(format!("function %{id} does not end"));
         }
         self.link(&frame)?;
         self.local.pop();
@@ -124,20 +132,47 @@ impl Builder<'_> {
         Ok(())
     }
 
+    /// Begins the block of a label.
+    fn label(&mut self, label: u32, frame: &mut Frame) -> Decoded<()> {
+        let block = self.begin_block();
+        if frame.first.is_empty() {
+            let site = self.site("OpLabel".into());
+            self.blocks[block - 1].end = End::Jump(Edge { to: block, moves: Vec::new() });
+            self.blocks[block - 1].at.push(site);
+        }
+        let twice = frame.first.insert(label, block).is_some();
+        if twice || std::mem::replace(&mut frame.open, true) {
+            return Err(format!("block %{label} begins twice, or within another one"));
+        }
+        frame.label = label;
+        Ok(())
+    }
+
     /// Decodes an instruction of a function's body.
     fn statement(&mut self, op: Op, operands: &[u32], frame: &mut Frame, result: Option<&[u32]>) -> Decoded<()> {
+        let merges = std::mem::take(&mut frame.merges);
+        if !merges.is_empty() && !matches!(op, Op::Branch | Op::BranchConditional | Op::Switch) {
+            return Err(format!("it has Op{op:?} where ways have to part that meet again"));
+        }
         let end = match (op, operands) {
             (Op::Phi, [ty, id, from @ ..]) => {
                 let count = self.types.count(*ty)?;
                 let first = self.registers(count);
                 let registers: Vec<u32> = (first..first + count).collect();
                 self.set(*id, Value::Numbers(*ty, registers.clone()));
-                let from = from.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
-                frame.phis.push(Phi { label: frame.label, registers, from });
+                self.made += from.len();
+                let from = from.chunks_exact(2).map(|pair| (pair[1], pair[0])).collect();
+                frame.phis.entry(frame.label).or_default().push(Phi { registers, from });
                 return Ok(());
             }
-            (Op::LoopMerge, [merge, on, ..]) => return self.merges(&[*merge, *on]),
-            (Op::SelectionMerge, [merge, ..]) => return self.merges(&[*merge]),
+            (Op::LoopMerge, [merge, on, ..]) => {
+                frame.merges = vec![*merge, *on];
+                return Ok(());
+            }
+            (Op::SelectionMerge, [merge, ..]) => {
+                frame.merges = vec![*merge];
+                return Ok(());
+            }
             (Op::FunctionCall, [ty, id, function, arguments @ ..]) => {
                 return self.call((*ty, *id), *function, arguments);
             }
@@ -154,35 +189,24 @@ impl Builder<'_> {
                 for (d, a) in result.unwrap_or_default().iter().copied().zip(self.numbers(*value)?) {
                     self.act(Act::Move { d, a }, site);
                 }
-                self.leave(op, result.is_some());
-                return Ok(());
+                leaving(result.is_some())
             }
-            (Op::Return | Op::Unreachable, _) => {
-                self.leave(op, result.is_some());
-                return Ok(());
-            }
+            (Op::Return | Op::Unreachable, _) => leaving(result.is_some()),
             _ => return self.instruction(op, operands),
         };
-        frame.ends.push((self.blocks.len() - 1, frame.label));
+        frame.open = false;
+        if matches!(op, Op::Branch | Op::BranchConditional | Op::Switch) {
+            frame.ends.push((self.blocks.len() - 1, frame.label, merges));
+        }
         self.end_block(end, op);
-        Ok(())
-    }
-
-    /// Ends a block that leaves the function.
-    fn leave(&mut self, op: Op, back: bool) {
-        let end = if back { End::Jump(Edge { to: BACK, moves: Vec::new() }) } else { End::Return };
-        self.end_block(end, op);
-    }
-
-    /// Notes where the ways of the last block meet: labels.
-    fn merges(&mut self, labels: &[u32]) -> Decoded<()> {
-        let block = self.blocks.last_mut().ok_or("a merge stands in no block")?;
-        block.merges = labels.iter().map(|label| *label as usize).collect();
         Ok(())
     }
 
     /// Decodes a function in place of its call.
     fn call(&mut self, (ty, id): (u32, u32), function: u32, arguments: &[u32]) -> Decoded<()> {
+        if arguments.len() > MOST_ARGUMENTS {
+            return Err(format!("a call has more than {MOST_ARGUMENTS} arguments"));
+        }
         let arguments = arguments.iter().map(|id| self.value(*id).cloned()).collect::<Decoded<Vec<_>>>()?;
         let count = self.types.count(ty)?;
         let first = self.registers(count);
@@ -196,22 +220,25 @@ impl Builder<'_> {
 
     /// Has the edges of a function's blocks lead to blocks, with the moves of phis.
     fn link(&mut self, frame: &Frame) -> Decoded<()> {
-        let place = |label: usize| {
-            let found = u32::try_from(label).ok().and_then(|label| frame.first.get(&label));
+        let place = |label: &u32| {
+            let found = frame.first.get(label);
             found.copied().ok_or_else(|| format!("there is no block %{label}"))
         };
-        for (block, from) in &frame.ends {
+        for (block, from, merges) in &frame.ends {
             let mut end = self.blocks[*block].end.clone();
             for edge in end.edges_mut() {
-                let mut moves = Vec::new();
-                for phi in frame.phis.iter().filter(|phi| phi.label as usize == edge.to) {
-                    let (value, _) = phi.from.iter().find(|(_, label)| label == from).ok_or("a phi lacks a block")?;
+                let (label, mut moves) = (edge.to as u32, Vec::new());
+                for phi in frame.phis.get(&label).into_iter().flatten() {
+                    let value = phi.from.get(from).ok_or("a phi lacks a block")?;
                     moves.extend(phi.registers.iter().copied().zip(self.numbers(*value)?));
                 }
-                *edge = Edge { to: place(edge.to)?, moves: self.at_once(moves) };
+                self.made += 1 + moves.len();
+                self.is_small()?;
+                *edge = Edge { to: place(&label)?, moves: self.at_once(moves) };
             }
-            let merges = self.blocks[*block].merges.iter().map(|label| place(*label)).collect::<Decoded<Vec<_>>>()?;
-            (self.blocks[*block].end, self.blocks[*block].merges) = (end, merges);
+            let merges = merges.iter().map(place).collect::<Decoded<Vec<_>>>()?;
+            self.blocks[*block].merges.extend(merges);
+            self.blocks[*block].end = end;
         }
         Ok(())
     }
@@ -219,8 +246,13 @@ impl Builder<'_> {
     /// Moves that happen at once as moves one after the other.
     fn at_once(&mut self, mut moves: Vec<(u32, u32)>) -> Vec<(u32, u32)> {
         moves.retain(|(d, a)| d != a);
-        let early = |(k, (_, a)): (usize, &(u32, u32))| moves[..k].iter().any(|(d, _)| d == a);
-        if !moves.iter().enumerate().any(early) {
+        let mut changed = HashSet::new();
+        let early = |(d, a): &(u32, u32)| {
+            let before = changed.contains(a);
+            changed.insert(*d);
+            before
+        };
+        if !moves.iter().any(early) {
             return moves;
         }
         let first = self.registers(moves.len() as u32);

@@ -6,6 +6,11 @@ use super::arithmetic::{double, glsl_one, glsl_three, glsl_two, one, ones, three
 use super::builder::{Builder, Value, part_of};
 use super::code::{Act, Decoded, Two};
 
+/// One more than the operands of any computation.
+const MOST_OPERANDS: usize = 5;
+/// Most numbers of one operand: those of a matrix.
+const MOST_NUMBERS: usize = 16;
+
 impl Builder<'_> {
     /// Decodes an instruction that neither ends a block nor calls a function.
     pub(super) fn instruction(&mut self, op: Op, operands: &[u32]) -> Decoded<()> {
@@ -34,10 +39,7 @@ impl Builder<'_> {
         Ok(Some(match (op, of) {
             (Op::Undef, _) => self.undefined(ty)?,
             (Op::CopyObject | Op::CopyLogical | Op::Bitcast, [value]) => self.numbers(*value)?,
-            (Op::CompositeConstruct, parts) => {
-                let parts = parts.iter().map(|part| self.numbers(*part)).collect::<Decoded<Vec<_>>>()?;
-                self.whole(ty, &parts)?
-            }
+            (Op::CompositeConstruct, parts) => self.whole(ty, parts)?,
             (Op::CompositeExtract, [value, path @ ..]) => {
                 let (of, all) = self.typed(*value)?;
                 let (of, first) = self.follow(of, path)?;
@@ -87,11 +89,14 @@ impl Builder<'_> {
 
     /// The registers of a value that is computed.
     fn arithmetic(&mut self, op: Op, ty: u32, of: &[u32], site: u32) -> Decoded<Vec<u32>> {
-        let all = of.iter().map(|id| self.typed(*id)).collect::<Decoded<Vec<_>>>()?;
+        let all = of.iter().take(MOST_OPERANDS).map(|id| self.typed(*id)).collect::<Decoded<Vec<_>>>()?;
         let list = |k: usize| all.get(k).map(|(_, list)| list.as_slice()).unwrap_or_default();
         let (a, b) = (list(0), list(1));
         if all.iter().any(|(_, list)| list.is_empty()) {
             return Err(format!("it has Op{op:?} of nothing"));
+        }
+        if all.iter().any(|(_, list)| list.len() > MOST_NUMBERS && op != Op::Select) {
+            return Err(format!("it has Op{op:?} of more than a matrix"));
         }
         match (op, all.len()) {
             (Op::VectorTimesScalar | Op::MatrixTimesScalar, 2) => {
@@ -174,7 +179,7 @@ impl Builder<'_> {
         let function = GLOp::from_u32(*number).filter(|_| *set == self.glsl);
         let function = function.ok_or_else(|| format!("it has function {number} of set %{set}"))?;
         let site = self.site(format!("{function:?}"));
-        let all = of.iter().map(|id| self.numbers(*id)).collect::<Decoded<Vec<_>>>()?;
+        let all = of.iter().take(MOST_OPERANDS).map(|id| self.numbers(*id)).collect::<Decoded<Vec<_>>>()?;
         let numbers = match (function, &all[..]) {
             (GLOp::Length, [a]) => vec![self.length(a, site)],
             (GLOp::Distance, [a, b]) => {

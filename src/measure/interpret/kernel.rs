@@ -2,16 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use super::code::Code;
+use super::code::{Code, Site};
 use super::memory::{Memory, Part};
 use super::run::Launch;
 use super::watch::{Finding, Kind, Suspects, Watch};
 use crate::error::{Error, Result};
 
+/// Most blocks that a group runs.
+pub const MOST_BLOCKS: u64 = 1 << 26;
 /// Most invocations of a group.
 const MOST_INVOCATIONS: u32 = 1024;
 /// Most numbers of all invocations of a group.
 const MOST_NUMBERS: u64 = 1 << 26;
+/// Most groups of each dimension: what every device has.
+const MOST_GROUPS: u32 = 65_535;
 /// Sizes that a subgroup can have.
 const SUBGROUPS: std::ops::RangeInclusive<u32> = 1..=128;
 
@@ -33,6 +37,8 @@ pub struct Launched<'a> {
     pub memory: &'a [&'a Memory],
     /// Invocations of a subgroup.
     pub subgroup: u32,
+    /// Most blocks that a group runs, [`MOST_BLOCKS`]: a kernel that takes more is said not to end.
+    pub most_blocks: u64,
 }
 
 impl Kernel {
@@ -91,6 +97,12 @@ impl Kernel {
         Finding { kind: Kind::NotFinite, kernel: self.name.clone(), site, what, times: 1 }
     }
 
+    /// The finding that it is dispatched by a count of groups that nothing wrote.
+    pub(super) fn uncounted(&self, what: String) -> Finding {
+        let site = Site { instruction: "vkCmdDispatchIndirect".into(), ..Site::default() };
+        Finding { kind: Kind::Undefined, kernel: self.name.clone(), site, what, times: 1 }
+    }
+
     /// The bindings of its buffers.
     pub(super) fn bindings(&self) -> &[u32] {
         &self.code.buffers
@@ -110,7 +122,13 @@ impl Kernel {
         if !SUBGROUPS.contains(&launched.subgroup) {
             return Err(fault(format!("subgroups of {} invocations", launched.subgroup)));
         }
-        let Launched { groups, memory, subgroup, .. } = *launched;
-        Launch { code: &self.code, groups, push, bound: &bound, memory, subgroup }.run(watch).map_err(fault)
+        let Launched { groups, memory, subgroup, most_blocks, .. } = *launched;
+        if groups.iter().any(|count| *count > MOST_GROUPS) {
+            return Err(fault(format!(
+                "a dispatch of {groups:?} groups; it has at most {MOST_GROUPS} of each dimension"
+            )));
+        }
+        let launch = Launch { code: &self.code, groups, push, bound: &bound, memory, subgroup, most_blocks };
+        launch.run(watch).map_err(fault)
     }
 }

@@ -85,24 +85,16 @@ impl Builder<'_> {
         let d = self.registers(1);
         let semantics = self.known_number(semantics)?;
         if let Some((ty, id)) = result {
-            self.code.ordered |= !matches!(change, Change::Load) && self.is_used(id);
+            self.code.ordered |= self.taken.contains(&id);
             self.set(id, Value::Numbers(ty, vec![d]));
         }
         let pointer = self.pointing(pointer)?;
+        if !matches!(self.types.get(pointer.ty)?, Type::Int | Type::Float) {
+            return Err(format!("it has Op{op:?} on what is no number"));
+        }
         self.code.atomics.push(Atomic { pointer, d, a: operand, change, semantics });
         self.act(Act::Atomic(self.code.atomics.len() as u32 - 1), site);
         Ok(true)
-    }
-
-    /// Whether another instruction of a function may take this id: as an operand, or as a number that equals it.
-    fn is_used(&self, id: u32) -> bool {
-        let bodies = self.functions.values().flat_map(|range| &self.list[range.clone()]);
-        bodies.into_iter().any(|instruction| {
-            let first = if instruction.op == Some(Op::Store) { 0 } else { 2 };
-            let all = !matches!(instruction.op, Some(Op::Line | Op::NoLine | Op::Label));
-            let ends = matches!(instruction.op, Some(Op::BranchConditional | Op::Switch | Op::ReturnValue));
-            all && instruction.operands.iter().skip(if ends { 0 } else { first }).any(|operand| *operand == id)
-        })
     }
 
     /// A number that is known before the kernel runs.
@@ -115,6 +107,7 @@ impl Builder<'_> {
         let mut pointer = self.pointing(base)?;
         // Push constants have registers for all words of their memory.
         let laid = self.is_laid(&pointer);
+        self.made += path.len();
         let mut terms = Vec::new();
         for index in path {
             let register = self.single(*index)?;
@@ -122,14 +115,14 @@ impl Builder<'_> {
             if matches!(self.types.get(pointer.ty)?, Type::Struct(_)) {
                 let member = known.ok_or("the number of a member is no constant")?;
                 let (ty, first) = self.types.member_at(pointer.ty, member, laid)?;
-                (pointer.ty, pointer.fixed) = (ty, pointer.fixed + first);
+                (pointer.ty, pointer.fixed) = (ty, pointer.fixed.saturating_add(first));
                 continue;
             }
             let (stride, of, count) = self.types.stride(pointer.ty, laid)?;
             pointer.ty = of;
             let within = known.filter(|index| *index < count && count < u32::MAX);
             match within.and_then(|index| index.checked_mul(stride)) {
-                Some(words) => pointer.fixed += words,
+                Some(words) => pointer.fixed = pointer.fixed.saturating_add(words),
                 None => terms.push((register, stride, count)),
             }
         }
@@ -175,7 +168,8 @@ impl Builder<'_> {
         }
         let first = self.registers(words.len() as u32);
         let registers: Vec<u32> = (first..).take(words.len()).collect();
-        self.code.accesses.push(self.access(pointer, registers.clone(), words));
+        let access = self.access(pointer, registers.clone(), words);
+        self.code.accesses.push(access);
         self.act(Act::Load(self.code.accesses.len() as u32 - 1), site);
         Ok(registers)
     }
@@ -188,12 +182,14 @@ impl Builder<'_> {
             }
             return Ok(());
         }
-        self.code.accesses.push(self.access(pointer, numbers, words));
+        let access = self.access(pointer, numbers, words);
+        self.code.accesses.push(access);
         self.act(Act::Store(self.code.accesses.len() as u32 - 1), site);
         Ok(())
     }
 
-    fn access(&self, pointer: Pointer, registers: Vec<u32>, words: Vec<u32>) -> Access {
+    fn access(&mut self, pointer: Pointer, registers: Vec<u32>, words: Vec<u32>) -> Access {
+        self.made += words.len();
         let (plain, floats) = (!self.types.is_composite(pointer.ty), self.types.is_float(pointer.ty));
         Access { pointer, registers, words, plain, floats }
     }
@@ -281,7 +277,7 @@ impl Builder<'_> {
 pub(super) fn rest(base: u32, terms: impl Iterator<Item = (u32, u32, u32)>) -> u32 {
     let (mut sum, mut beyond) = (u64::from(base & !BEYOND), base & BEYOND);
     for (index, stride, count) in terms {
-        sum += u64::from(index) * u64::from(stride);
+        sum = sum.saturating_add(u64::from(index) * u64::from(stride));
         if index >= count {
             beyond = BEYOND;
         }

@@ -6,13 +6,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 use spirq::spirv::BuiltIn;
 
-use super::code::{Access, Act, Atomic, BEYOND, Block, Change, Code, Decoded, Edge, End, Pointer, Root};
+use super::code::{Access, Act, Atomic, BEYOND, Block, Change, Code, Decoded, Edge, End, Exchange, Pointer, Root};
 use super::memory::{Memory, Part, UNDEFINED, UNDEFINED_SHARED, is_undefined};
 use super::pointers::rest;
 use super::watch::{Touch, Watch};
-
-/// Most blocks that a group runs: a kernel that takes more is said not to end.
-const MOST_BLOCKS: u64 = 1 << 26;
 
 /// A dispatch.
 pub(super) struct Launch<'a> {
@@ -25,6 +22,8 @@ pub(super) struct Launch<'a> {
     pub(super) memory: &'a [&'a Memory],
     /// Invocations of a subgroup.
     pub(super) subgroup: u32,
+    /// Most blocks that a group runs: a kernel that takes more is said not to end.
+    pub(super) most_blocks: u64,
 }
 
 /// A word that an invocation accesses.
@@ -41,7 +40,10 @@ pub(super) enum Place {
 impl Launch<'_> {
     /// Runs it; returns how many instructions of SPIR-V invocations have executed together.
     pub(super) fn run(&self, watch: Option<&mut Watch<'_>>) -> Decoded<u64> {
-        let count = self.groups.iter().map(|count| u64::from(*count)).product::<u64>();
+        let most = u64::from(u32::MAX / self.code.group.iter().product::<u32>());
+        let count = self.groups.iter().try_fold(1u64, |all, count| all.checked_mul(u64::from(*count)));
+        let count =
+            count.filter(|count| *count <= most).ok_or_else(|| format!("{:?} groups are too many", self.groups))?;
         if watch.is_some() || self.code.ordered || count < 2 {
             let mut group = Group::new(self, watch);
             (0..count).try_for_each(|number| group.run(number))?;
@@ -176,9 +178,9 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
             }
             self.end(block, lanes);
             blocks += 1;
-            if blocks == MOST_BLOCKS {
+            if blocks == self.launch.most_blocks {
                 self.waiting.clear();
-                return Err(format!("group {number} did not end within {MOST_BLOCKS} blocks"));
+                return Err(format!("group {number} did not end within {blocks} blocks"));
             }
         }
         Ok(())
@@ -337,7 +339,10 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
             Root::Shared(first) => {
                 Some(first as usize + word).filter(|word| *word < self.shared.len()).map(Place::Shared)
             }
-            Root::Registers(first) => Some(Place::Register((first as usize + word) * self.lanes + lane as usize)),
+            Root::Registers(first) => {
+                let register = (first as usize + word) * self.lanes + lane as usize;
+                (register < self.registers.len()).then_some(Place::Register(register))
+            }
         }
     }
 
@@ -398,7 +403,11 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
     fn atomic(&mut self, atomic: &Atomic, at: u32, lanes: &[u16]) {
         for lane in lanes {
             let operand = self.get(atomic.a, *lane);
-            let touch = Touch::Atomic(atomic.semantics);
+            let touch = Touch::Atomic {
+                semantics: atomic.semantics,
+                reads: !matches!(atomic.change, Change::Store),
+                writes: !matches!(atomic.change, Change::Load),
+            };
             let Some(place) = self.touched(&atomic.pointer, (0, touch), at, *lane) else {
                 self.set(atomic.d, *lane, 0);
                 continue;
@@ -433,6 +442,10 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                 }
             };
             self.set(atomic.d, *lane, old);
+            if let (Some(watch), Touch::Atomic { reads: true, .. }) = (&mut self.watch, touch) {
+                watch.loaded(old, &atomic.pointer, (*lane, at), Some(place));
+                self.check(atomic.d, at, &[*lane]);
+            }
         }
     }
 
@@ -446,8 +459,20 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
             Act::Store(access) if code.accesses[access as usize].plain => {
                 code.accesses[access as usize].registers.iter().for_each(|own| self.check(*own, at, lanes));
             }
-            Act::Atomic(atomic) => self.check(code.atomics[atomic as usize].a, at, lanes),
-            Act::Team(team) => code.teams[team as usize].b.iter().for_each(|own| self.check(*own, at, lanes)),
+            Act::Atomic(atomic) => {
+                let atomic = &code.atomics[atomic as usize];
+                self.check(atomic.a, at, lanes);
+                if let Change::Compare(compared) = atomic.change {
+                    self.check(compared, at, lanes);
+                }
+            }
+            Act::Team(team) => {
+                let team = &code.teams[team as usize];
+                // What is taken, or becomes a part of a sum, is none in the result.
+                let carried = matches!(team.kind, Exchange::Take(_) | Exchange::First | Exchange::Fold(..));
+                let decides = team.a.iter().filter(|_| !carried);
+                decides.chain(&team.b).for_each(|own| self.check(*own, at, lanes));
+            }
             _ => {}
         }
     }

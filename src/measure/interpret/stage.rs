@@ -6,7 +6,8 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use super::{Finding, Kernel, Launched, Memory, Part, Suspects};
+use super::memory::is_undefined;
+use super::{Finding, Kernel, Launched, MOST_BLOCKS, Memory, Part, Suspects};
 use crate::error::{Error, Result};
 use crate::gpu::{KernelKey, set_by_device, spirv};
 use crate::layout::{BUFFER_IDS, BufferId, GROUPS_A_ROW, MOST_LANES};
@@ -83,7 +84,14 @@ impl Interpreter {
                 let Part { memory, first, .. } = ran.part(state, slot, call);
                 let words = slot.spec().stride / 4 * (element + usize::from(prepared.shares));
                 let (from, memory) = (first + words, &ran.buffers[memory].1);
-                [0, 1, 2].map(|k| if from + k < memory.len() { memory.get(from + k) } else { 0 })
+                let counts = [0, 1, 2].map(|k| if from + k < memory.len() { memory.get(from + k) } else { 0 });
+                if watched && counts.into_iter().any(is_undefined) {
+                    let name = slot.spec().name;
+                    let what = format!("the groups are counted by words of {name} that nothing wrote: {counts:#x?}");
+                    ran.findings.push(prepared.kernel.uncounted(what));
+                    return Ok(());
+                }
+                counts
             }
         };
         if groups.contains(&0) {
@@ -99,7 +107,8 @@ impl Interpreter {
         ran.dispatches += 1;
         ran.kernels.insert(call.kernel.to_string());
         let memory: Vec<&Memory> = ran.buffers.iter().map(|(_, memory)| memory).collect();
-        let launched = Launched { groups, push: call.push, bound: &bound, memory: &memory, subgroup: SUBGROUP };
+        let (push, bound, memory) = (call.push, &bound, &memory[..]);
+        let launched = Launched { groups, push, bound, memory, subgroup: SUBGROUP, most_blocks: MOST_BLOCKS };
         if watched {
             let (executed, findings, suspects) = prepared.kernel.watched(&launched)?;
             ran.executed += executed;

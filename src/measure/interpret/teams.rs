@@ -1,6 +1,7 @@
 //! What invocations of a subgroup exchange: of those that are at the instruction, in their order.
 
 use super::code::{Among, Exchange, Team};
+use super::memory::is_undefined;
 use super::run::Group;
 
 impl Group<'_, '_, '_> {
@@ -74,7 +75,11 @@ impl Group<'_, '_, '_> {
             Exchange::Highest => bits(ballot, size).last().unwrap_or(u32::MAX),
             Exchange::Fold(f, start, among) => {
                 let others = lanes.iter().filter(|other| counts(among, own, u32::from(*other - first)));
-                others.fold(start, |sum, other| f(sum, value(other)))
+                let watched = self.watch.is_some();
+                others.map(value).fold(start, |sum, value| match [sum, value].into_iter().find(|v| is_undefined(*v)) {
+                    Some(none) if watched => none,
+                    _ => f(sum, value),
+                })
             }
         };
         [one, 0, 0, 0]

@@ -25,10 +25,26 @@ pub(super) enum Type {
     Function,
 }
 
+/// A type that is declared.
+struct Known {
+    ty: Type,
+    /// How many numbers it has; none where its values cannot be taken.
+    count: Option<u32>,
+    /// Where the numbers of each member of a struct begin.
+    starts: Vec<u32>,
+    /// How many types are within each other, this one included.
+    depth: u32,
+}
+
+/// Most numbers of a value.
+const MOST_NUMBERS: u32 = 1 << 16;
+/// Most types within each other.
+const MOST_DEPTH: u32 = 64;
+
 /// The types of a module, and the decorations that lay them out.
 #[derive(Default)]
 pub(super) struct Types {
-    types: HashMap<u32, Type>,
+    types: HashMap<u32, Known>,
     /// The operand of a decoration, 0 where it has none: by what it decorates, and of a struct the member.
     decorations: HashMap<(u32, Option<u32>, u32), u32>,
 }
@@ -62,8 +78,8 @@ impl Types {
             (Op::TypeInt, [32, _]) => Type::Int,
             (Op::TypeFloat, [32, ..]) => Type::Float,
             (Op::TypeInt | Op::TypeFloat, [bits, ..]) => return Err(format!("it has numbers of {bits} bits")),
-            (Op::TypeVector, [of, count]) => Type::Vector(*of, *count),
-            (Op::TypeMatrix, [of, count]) => Type::Matrix(*of, *count),
+            (Op::TypeVector, [of, count @ 2..=4]) => Type::Vector(*of, *count),
+            (Op::TypeMatrix, [of, count @ 2..=4]) => Type::Matrix(*of, *count),
             (Op::TypeArray, [of, length]) => Type::Array(*of, value(*length)?),
             (Op::TypeRuntimeArray, [of]) => Type::Open(*of),
             (Op::TypeStruct, members) => Type::Struct(members.to_vec()),
@@ -73,23 +89,46 @@ impl Types {
         };
         // A type is made of types before it, so that none is made of itself.
         let parts = match &declared {
-            Type::Vector(of, _) | Type::Matrix(of, _) | Type::Array(of, _) | Type::Open(of) => vec![*of],
-            Type::Struct(members) => members.clone(),
-            _ => Vec::new(),
+            Type::Vector(of, _) | Type::Matrix(of, _) | Type::Array(of, _) | Type::Open(of) => &[*of][..],
+            Type::Struct(members) => members,
+            _ => &[],
         };
-        if self.types.contains_key(&id) || !parts.iter().all(|part| self.types.contains_key(part)) {
+        let known = parts.iter().map(|part| self.types.get(part)).collect::<Option<Vec<_>>>();
+        let Some(known) = known.filter(|_| !self.types.contains_key(&id)) else {
             return Err(format!("type %{id} is not made of types before it"));
+        };
+        let depth = known.iter().map(|part| part.depth).max().unwrap_or_default() + 1;
+        let (mut starts, mut all) = (Vec::new(), Some(0u32));
+        for part in &known {
+            starts.push(all.unwrap_or_default());
+            all = all.zip(part.count).map(|(sum, count)| sum.saturating_add(count));
         }
-        let is_open = |part: &u32| self.count(*part).is_err();
-        let sized =
-            !parts.iter().any(is_open) && !matches!(declared, Type::Pointer(..) | Type::Function | Type::Open(_));
-        self.types.insert(id, declared);
-        if sized { self.count(id).map(|_| ()) } else { Ok(()) }
+        let count = match &declared {
+            Type::Void => Some(0),
+            Type::Bool | Type::Int | Type::Float => Some(1),
+            Type::Vector(_, count) | Type::Matrix(_, count) | Type::Array(_, count) => {
+                all.map(|all| all.saturating_mul(*count))
+            }
+            Type::Struct(_) => all,
+            Type::Open(_) | Type::Pointer(..) | Type::Function => None,
+        };
+        if depth > MOST_DEPTH {
+            return Err(format!("it has more than {MOST_DEPTH} types within each other"));
+        }
+        if count.is_some_and(|count| count > MOST_NUMBERS) {
+            return Err("it has a value of more than 256 KiB".into());
+        }
+        self.types.insert(id, Known { ty: declared, count, starts, depth });
+        Ok(())
+    }
+
+    fn known(&self, id: u32) -> Decoded<&Known> {
+        self.types.get(&id).ok_or_else(|| format!("type {id} is not declared"))
     }
 
     /// The type of an id.
     pub(super) fn get(&self, id: u32) -> Decoded<&Type> {
-        self.types.get(&id).ok_or_else(|| format!("type {id} is not declared"))
+        Ok(&self.known(id)?.ty)
     }
 
     /// The class and the type that a pointer type points to.
@@ -105,31 +144,20 @@ impl Types {
 
     /// How many numbers a type has.
     pub(super) fn count(&self, id: u32) -> Decoded<u32> {
-        const MOST: u32 = 1 << 16;
-        let few = |all: Option<u32>| all.filter(|all| *all <= MOST).ok_or("it has a value of more than 256 KiB");
-        let many = |of: u32, count: u32| Ok(few(self.count(of)?.checked_mul(count))?);
-        match self.get(id)? {
-            Type::Void => Ok(0),
-            Type::Bool | Type::Int | Type::Float => Ok(1),
-            Type::Vector(of, count) | Type::Matrix(of, count) | Type::Array(of, count) => many(*of, *count),
-            Type::Struct(members) => {
-                let add = |sum: u32, member: &u32| Ok(few(sum.checked_add(self.count(*member)?))?);
-                members.iter().try_fold(0, add)
-            }
-            other => Err(format!("it takes a value of {other:?}")),
-        }
+        let known = self.known(id)?;
+        known.count.ok_or_else(|| format!("it takes a value of {:?}", known.ty))
     }
 
     /// Whether a value of this type is made of others that have names or indices: struct or array.
     pub(super) fn is_composite(&self, id: u32) -> bool {
-        matches!(self.types.get(&id), Some(Type::Struct(_) | Type::Array(..)))
+        matches!(self.get(id), Ok(Type::Struct(_) | Type::Array(..)))
     }
 
     /// Whether it is a float, or a vector or matrix of these.
     pub(super) fn is_float(&self, id: u32) -> bool {
-        match self.types.get(&id) {
-            Some(Type::Float) => true,
-            Some(Type::Vector(of, _) | Type::Matrix(of, _)) => self.is_float(*of),
+        match self.get(id) {
+            Ok(Type::Float) => true,
+            Ok(Type::Vector(of, _) | Type::Matrix(of, _)) => self.is_float(*of),
             _ => false,
         }
     }
@@ -137,15 +165,15 @@ impl Types {
     /// One part of a value: its type, and the number of the value that it begins with.
     pub(super) fn part(&self, id: u32, index: u32) -> Decoded<(u32, u32)> {
         let within = |count: u32| if index < count { Ok(()) } else { Err(format!("it takes part {index} of {count}")) };
-        match self.get(id)? {
+        let known = self.known(id)?;
+        match &known.ty {
             Type::Vector(of, count) | Type::Matrix(of, count) | Type::Array(of, count) => {
                 within(*count)?;
                 Ok((*of, index * self.count(*of)?))
             }
             Type::Struct(members) => {
                 within(members.len() as u32)?;
-                let before = members[..index as usize].iter().map(|member| self.count(*member));
-                Ok((members[index as usize], before.sum::<Decoded<u32>>()?))
+                Ok((members[index as usize], known.starts[index as usize]))
             }
             other => Err(format!("it takes a part of {other:?}")),
         }
@@ -189,20 +217,29 @@ impl Types {
 
     /// The word of each number of a value in memory.
     pub(super) fn words(&self, id: u32, laid: bool) -> Decoded<Vec<u32>> {
-        let mut found = Vec::new();
+        let count = self.count(id)?;
+        let mut found = Vec::with_capacity(count as usize);
+        let far = || "it has a value that does not fit into memory".to_string();
         match self.get(id)? {
+            _ if count == 0 => {}
             Type::Struct(members) => {
                 for member in 0..members.len() as u32 {
                     let (ty, first) = self.member_at(id, member, laid)?;
-                    found.extend(self.words(ty, laid)?.iter().map(|word| first + word));
+                    for word in self.words(ty, laid)? {
+                        found.push(word.checked_add(first).ok_or_else(far)?);
+                    }
                 }
             }
             Type::Vector(..) | Type::Matrix(..) | Type::Array(..) => {
                 let (stride, of, count) = self.stride(id, laid)?;
                 let part = self.words(of, laid)?;
-                found.extend((0..count).flat_map(|k| part.iter().map(move |word| k * stride + word)));
+                let place = |k: u32, word: u32| k.checked_mul(stride)?.checked_add(word);
+                for k in 0..count {
+                    found
+                        .extend(part.iter().map(|word| place(k, *word)).collect::<Option<Vec<u32>>>().ok_or_else(far)?);
+                }
             }
-            _ => found.extend(0..self.count(id)?),
+            _ => found.push(0),
         }
         Ok(found)
     }

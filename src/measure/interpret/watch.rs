@@ -69,8 +69,27 @@ impl std::fmt::Display for Finding {
 pub(super) enum Touch {
     Read,
     Write,
-    /// With these semantics.
-    Atomic(u32),
+    /// By an atomic operation with these semantics.
+    Atomic {
+        semantics: u32,
+        reads: bool,
+        writes: bool,
+    },
+}
+
+impl Touch {
+    /// What an invocation does, in words.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Read | Self::Atomic { writes: false, .. } => "reads",
+            Self::Write | Self::Atomic { reads: false, .. } => "writes",
+            Self::Atomic { .. } => "changes",
+        }
+    }
+
+    fn writes(self) -> bool {
+        !matches!(self, Self::Read | Self::Atomic { writes: false, .. })
+    }
 }
 
 /// What orders accesses of a class of memory: a bit of semantics. The first class is the group's memory, the second
@@ -215,30 +234,23 @@ impl<'a> Watch<'a> {
             Place::Shared(_) => 0,
             Place::Register(_) => return,
         };
-        let semantics = if let Touch::Atomic(semantics) = touch { semantics } else { 0 };
+        let semantics = if let Touch::Atomic { semantics, .. } = touch { semantics } else { 0 };
         if semantics & RELEASES != 0 {
             self.pass(lane, semantics);
         }
         let shadow = *self.shadow(place);
         let clock = &self.clocks[lane as usize];
-        let atomic = matches!(touch, Touch::Atomic(_));
+        let atomic = matches!(touch, Touch::Atomic { .. });
         let own = Mark { invocation: self.group * self.lanes + u32::from(lane), time: clock.now, at, atomic };
         // Reads race with writes only; two atomic operations with each other never do.
-        let others = [Some(shadow.write), (touch != Touch::Read).then_some(shadow.reads[0])];
-        let last = (touch != Touch::Read).then_some(shadow.reads[1]);
-        let racing = others
-            .into_iter()
-            .chain([last])
-            .flatten()
+        let reads = shadow.reads.into_iter().filter(|_| touch.writes());
+        let racing = std::iter::once(shadow.write)
+            .chain(reads)
             .find(|mark| *mark != NOBODY && !(mark.atomic && atomic) && !self.is_ordered(*mark, class, lane));
         if let Some(mark) = racing {
             let reads = mark != shadow.write;
             self.add(Kind::Race, (at, mark.at), |watch| {
-                let does = match touch {
-                    Touch::Read => "reads",
-                    Touch::Write => "writes",
-                    Touch::Atomic(_) => "changes",
-                };
+                let does = touch.name();
                 let did = if reads { "reads" } else { "writes" };
                 let (here, element) = (watch.name(lane), watch.element(variable, word));
                 let (there, site) = (watch.named(mark.invocation), &watch.code.places[mark.at as usize]);
@@ -246,15 +258,14 @@ impl<'a> Watch<'a> {
             });
         }
         let shadow = self.shadow(place);
-        match touch {
-            Touch::Read if shadow.reads[0] == NOBODY || shadow.reads[0].invocation == own.invocation => {
-                shadow.reads[0] = own;
-            }
-            Touch::Read => shadow.reads[1] = own,
-            _ => *shadow = Shadow { write: own, reads: [NOBODY; 2] },
+        let first = shadow.reads[0];
+        if touch.writes() {
+            *shadow = Shadow { write: own, reads: [NOBODY; 2] };
+        } else {
+            shadow.reads[usize::from(first != NOBODY && first.invocation != own.invocation)] = own;
         }
-        if atomic {
-            self.meet(place, lane);
+        if let Touch::Atomic { reads, writes, .. } = touch {
+            self.meet(place, lane, (reads, writes));
             if semantics & ACQUIRES != 0 {
                 self.pass(lane, semantics);
             }
@@ -286,16 +297,20 @@ impl<'a> Watch<'a> {
         self.clocks[lane as usize].seen.get(&mark.invocation).is_some_and(|time| mark.time <= *time)
     }
 
-    /// An atomic operation: an invocation lets others see what it has passed a barrier for, and comes to see theirs.
-    fn meet(&mut self, place: Place, lane: u16) {
+    /// An atomic operation: an invocation that writes lets others see what it has passed a barrier for; one that reads
+    /// comes to see theirs. What is written without being read is the word of that invocation alone.
+    fn meet(&mut self, place: Place, lane: u16, (reads, writes): (bool, bool)) {
         let own = self.group * self.lanes + u32::from(lane);
         let clock = &mut self.clocks[lane as usize];
         let known = self.changed.entry(place).or_default();
+        if !reads {
+            *known = Seen::default();
+        }
         if !known.is_empty() {
             clock.coming.push(known.clone());
         }
         let released = clock.released[1];
-        if released > 0 {
+        if writes && released > 0 {
             let all = Rc::make_mut(known);
             union(all, &clock.shown);
             all.insert(own, released);
@@ -376,7 +391,7 @@ impl<'a> Watch<'a> {
     /// An invocation accesses what is beyond the end of a variable.
     pub(super) fn beyond(&mut self, pointer: &Pointer, word: usize, index: bool, (lane, touch, at): (u16, Touch, u32)) {
         self.add(Kind::Bounds, (at, at), |watch| {
-            let does = if touch == Touch::Read { "reads" } else { "writes" };
+            let does = touch.name();
             let element = watch.element(pointer.variable, word);
             let end = match watch.code.variables[pointer.variable as usize].count {
                 _ if index => "an index is not less than the length of its array".to_string(),

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{Case, Dispatch, Part};
 use crate::error::{Input, Result};
-use crate::gpu::{Binding, Buffer, Device, Kernel, Recorder, Work, shifted};
+use crate::gpu::{Binding, Buffer, Device, Kernel, Recorder, Work, set_by_device, shifted};
+use crate::measure::interpret::stage::SUBGROUP;
+use crate::measure::interpret::{self, Launched, MOST_BLOCKS, Memory, Part as Bound};
 
 /// The result of a case on a device.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -94,6 +96,25 @@ impl Case {
             }
         }
         Ok(found)
+    }
+
+    /// Runs the case on the interpreter of kernels, once, since it always does the same; and compares.
+    pub fn interpreted(&self) -> Result<Found> {
+        let memory = |part: &Part| Memory::of(bytemuck::cast_slice(&part.before));
+        let buffers: Vec<Memory> = self.buffers.iter().map(memory).collect();
+        let memory = &buffers.iter().collect::<Vec<_>>()[..];
+        for Dispatch { kernel, spirv, constants, push, lanes, groups, bindings, .. } in &self.dispatches {
+            let shape = set_by_device(kernel, spirv, (*lanes).max(1));
+            let special = (0..).zip(constants.iter().copied()).chain(shape).collect();
+            let part = |b: &super::Bound| Bound { memory: b.buffer, first: 0, count: b.bytes as usize / 4 };
+            let bound = &bindings.iter().map(|b| (b.number, part(b))).collect();
+            let (groups, push) = (*groups, bytemuck::cast_slice(push));
+            let launched = Launched { groups, push, bound, memory, subgroup: SUBGROUP, most_blocks: MOST_BLOCKS };
+            interpret::Kernel::new(kernel, spirv, &special)?.run(&launched)?;
+        }
+        let mut left: Vec<Vec<u32>> = self.buffers.iter().map(|part| part.before.clone()).collect();
+        buffers.iter().zip(&mut left).for_each(|(memory, words)| memory.write(bytemuck::cast_slice_mut(words)));
+        Ok(self.compare(&left))
     }
 
     /// Compares what a device has left with what it should have.
