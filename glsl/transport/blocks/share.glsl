@@ -18,9 +18,9 @@ uint found(uint k) { return pool[k]; }
 // noted, or NONE.
 uint visit(uint node, out uint word);
 
-// All invocations of the group walk from the root, through the nodes from `begin` to `end` in the order of the tree, and
-// those above them. Returns false if the pool may have been too small for all words. `cut`: not all nodes were visited,
-// either: the driver has ended the loop, or the tree is too deep.
+// All invocations of the group walk from the root, through the nodes from `begin` to `end` in the order of the tree,
+// and those above them. Returns false if the pool may have been too small for all words. `cut`: not all nodes were
+// visited, either: the driver has ended the loop, or the tree is too deep.
 bool walk_part(uint begin, uint end, out bool cut) {
     uint self = gl_LocalInvocationIndex, top = 1;
     bool noted = true;
@@ -108,8 +108,8 @@ void sort_by_counting(uint count) {
     barrier();
 }
 
-// Sorts without a copy: Batcher's bitonic sort, arranged so that the smaller word always goes to the front, and words beyond the last
-// need not exist.
+// Sorts without a copy: Batcher's bitonic sort, arranged so that the smaller word always goes to the front, and words
+// beyond the last need not exist.
 void sort_in_place(uint count) {
     for (uint run = 2; run < 2 * count; run *= 2) {
         for (uint apart = run / 2; apart > 0; apart /= 2) {

@@ -90,8 +90,8 @@ float root_alone() {
     return high;
 }
 
-// The same steps, several at once: invocation 1 tries the middle, 2 and 3 the middles of the halves, 4 to 7 those of the
-// quarters.
+// The same steps, several at once: invocation 1 tries the middle, 2 and 3 those of the halves, 4 to 7 those of
+// the quarters.
 shared uint beyond[MOST_LANES];
 float root_together() {
     uint self = gl_LocalInvocationIndex, at_once = findMSB(LANES);
