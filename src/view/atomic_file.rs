@@ -171,10 +171,11 @@ pub fn append(path: &Path, bytes: &[u8]) -> Result<()> {
     destination(path)?;
     let open = std::fs::OpenOptions::new().create(true).append(true).open(path);
     let add = |mut file: File| {
+        // Released with the file. Without a lock another program may append in between: then a part stays.
+        let alone = file.lock().is_ok();
         let before = file.metadata()?.len();
         let written = file.write(bytes)?;
-        // Another program may have appended since.
-        if written < bytes.len() && file.metadata()?.len() == before + written as u64 {
+        if alone && written < bytes.len() && file.metadata()?.len() == before + written as u64 {
             file.set_len(before)?;
         }
         Ok(written)
