@@ -78,7 +78,7 @@ impl Job<'_> {
             let session = self.prepare(device, &mut session, &bar, frame);
             let done_with = session.and_then(|session| {
                 if gif {
-                    self.film(session, &mut film)
+                    self.film(device, session, &mut film)
                 } else {
                     shoot(session, self.aov, &output(frame), Samples::hidden()).map(drop)
                 }
@@ -91,7 +91,7 @@ impl Job<'_> {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        film.map_or(Ok(()), |film| film.save(None))?;
+        film.map(|film| film.save(None)).transpose()?;
         let place = device.map_or("the CPU", |device| device.name());
         let (count, there) = (wanted.len(), left_out.len());
         let there = if there > 0 { format!(", {there} were there") } else { String::new() };
@@ -109,7 +109,8 @@ impl Job<'_> {
         match film.filter(|_| failed > *self.frames.start()).map(|film| film.save(Some(&name))) {
             None if is_gif(self.output) => "nothing was written".into(),
             None => "they are whole, and --skip-existing goes on from here".into(),
-            Some(Ok(())) => format!("they are in {name}"),
+            Some(Ok(Some(place))) => format!("they are in {}", place.display()),
+            Some(Ok(None)) => format!("they went to {}", self.output.display()),
             Some(Err(error)) => format!("they are lost: {error}"),
         }
     }
@@ -154,9 +155,10 @@ impl Job<'_> {
     }
 
     /// Adds the picture of the last frame to the film, which it begins if there is none yet.
-    fn film(&self, session: &mut Session, film: &mut Option<Film>) -> Result<()> {
+    fn film(&self, device: Option<&Device>, session: &mut Session, film: &mut Option<Film>) -> Result<()> {
         session.sample()?;
         let (bytes, scene) = (session.shown()?, session.scene());
+        check_messages(device)?;
         let size = scene.camera.size;
         let film = match film {
             Some(film) => film,

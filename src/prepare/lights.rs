@@ -65,7 +65,7 @@ pub fn lights(state: &mut State, given: &[Light], units: &mut Units, objects: &[
     let mut before = Some(Before::of(state));
     for light in lights {
         if let Source::Environment { sky, .. } = &light.source
-            && sky.brightest() != [0.0; 3]
+            && (sky.brightest() != [0.0; 3] || sky.sun().is_some())
             && let Some(before) = before.take()
         {
             tables(state, sky, units.light, before);

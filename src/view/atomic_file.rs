@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{Cursor, Write};
+use std::io::{Cursor, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard};
@@ -67,6 +67,8 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::R
 pub struct Pending {
     path: PathBuf,
     file: File,
+    /// Bytes of the pieces that are written.
+    written: u64,
     part: Option<(Part, PathBuf)>,
 }
 
@@ -75,19 +77,34 @@ impl Pending {
     pub fn new(path: &Path) -> Result<Self> {
         let part = destination(path)?.map(|place| (beside(&place), place));
         let file = File::create(part.as_ref().map_or(path, |(part, _)| part.path()));
-        Ok(Self { path: path.into(), file: file.map_err(|error| unwritten(path, &error.to_string()))?, part })
+        let file = file.map_err(|error| unwritten(path, &error.to_string()))?;
+        Ok(Self { path: path.into(), file, written: 0, part })
     }
 
-    /// Writes a piece.
+    /// Writes a piece; what was written of one that does not fit is taken back.
     pub fn add(&mut self, bytes: &[u8]) -> Result<()> {
-        self.file.write_all(bytes).map_err(|error| unwritten(&self.path, &error.to_string()))
+        if let Err(error) = self.file.write_all(bytes) {
+            if self.part.is_some() {
+                let back = |file: &mut File| {
+                    file.set_len(self.written).and_then(|()| file.seek(SeekFrom::Start(self.written)))
+                };
+                back(&mut self.file).map_err(|error| unwritten(&self.path, &error.to_string()))?;
+            }
+            return Err(unwritten(&self.path, &error.to_string()));
+        }
+        self.written += bytes.len() as u64;
+        Ok(())
     }
 
-    /// Moves the file to its path, or to another name in the same folder.
-    pub fn finish(self, name: Option<&str>) -> Result<()> {
-        let Some((part, place)) = self.part else { return Ok(()) };
-        let place = name.map_or(place.clone(), |name| place.with_file_name(name));
-        std::fs::rename(part.path(), &place).map_err(|error| unwritten(&place, &error.to_string()))
+    /// Moves the file to its path, or to another name in the same folder, and returns where it is; None for a device.
+    pub fn finish(self, name: Option<&str>) -> Result<Option<PathBuf>> {
+        let Some((part, place)) = self.part else { return Ok(None) };
+        let place = match name {
+            Some(name) => destination(&place.with_file_name(name))?.unwrap_or(place),
+            None => place,
+        };
+        std::fs::rename(part.path(), &place).map_err(|error| unwritten(&place, &error.to_string()))?;
+        Ok(Some(place))
     }
 }
 

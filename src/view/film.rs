@@ -1,6 +1,6 @@
 //! Films on disk: animated GIF files, which begin again without end.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use gif::{Encoder, Frame, Repeat};
 
@@ -71,8 +71,9 @@ impl Film {
         self.file.add(&std::mem::take(self.encoder.get_mut()))
     }
 
-    /// Ends the file and moves it to its path, or to another name in the same folder.
-    pub fn save(mut self, name: Option<&str>) -> Result<()> {
+    /// Ends the file and moves it to its path, or to another name in the same folder; returns where it is, None for a
+    /// device.
+    pub fn save(mut self, name: Option<&str>) -> Result<Option<PathBuf>> {
         self.file.add(&self.encoder.into_inner().map_err(unencoded)?)?;
         self.file.finish(name)
     }

@@ -27,9 +27,10 @@ pub(super) fn run(
 fn text(found: &Prediction, before: Option<&Prediction>) -> String {
     let (device, submissions) = (found.us(), found.submissions as f64 * found.model.submission_us);
     let compared = before.map_or(String::new(), |before| {
-        let rows = found.rows.iter().zip(&before.rows).filter(|(row, built_in)| row.us() != built_in.us());
-        let told: Vec<String> = rows.map(|(row, built_in)| format!("{} {:.1}", row.stage, built_in.us())).collect();
-        format!("with the built-in kernels: {:.0} us; {}\n", before.us(), told.join(", "))
+        let same = |row: &Predicted| found.rows.iter().any(|own| own.stage == row.stage && own.us() == row.us());
+        let told: Vec<String> =
+            before.rows.iter().filter(|row| !same(row)).map(|row| format!("; {} {:.1}", row.stage, row.us())).collect();
+        format!("with the built-in kernels: {:.0} us{}\n", before.us(), told.concat())
     });
     format!(
         "{} as on {}: predicted, not measured; counted on {}\n\

@@ -163,6 +163,10 @@ impl Reader<'_> {
                 return Err(fault.key(self.key("image")).expected(accepted));
             }
         };
+        if self.file.sun.is_some() && !sky.is_read() {
+            let fault = Input::new("a sun is looked for in an image file only").key(self.key("sun"));
+            return Err(fault.expected("image = \"FILE.hdr\" beside it"));
+        }
         sky.seeks_sun = self.file.sun.unwrap_or(true);
         Ok(Source::Environment { sky, occlusion: self.whole("occlusion", self.file.occlusion, 0, 0, 4096)? })
     }

@@ -52,6 +52,11 @@ impl Sky {
         self.image.is_none() && self.size == [1, 1] && self.pixels[..] == [[1.0; 3]]
     }
 
+    /// Whether its image is a file, which is still to be read.
+    pub(super) fn is_read(&self) -> bool {
+        self.image.is_some()
+    }
+
     /// A sky with the same radiance from all directions.
     pub(super) fn constant(radiance: [f64; 3], factor: [f64; 3]) -> Self {
         let factor = std::array::from_fn(|c| radiance[c] * factor[c]);

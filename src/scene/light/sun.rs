@@ -11,6 +11,8 @@ use std::sync::Arc;
 const CONTRAST: f64 = 50.0;
 /// Its largest solid angle: that of a disc with a radius of 2.5 degrees.
 const LARGEST: f64 = 6e-3;
+/// How much of its light arrives on a plane perpendicular to its direction, at least: less if it is a line, not a disc.
+const ROUND: f64 = 0.999;
 /// Its least irradiance, as a share of what the rest of the image gives on average.
 const WEAKEST: f64 = 0.1;
 
@@ -79,19 +81,25 @@ impl Sky {
         let behind = wide(self.pixels[around[around.len() / 2]]);
         let rest = |pixel: usize| wide(self.pixels[pixel]).min(behind);
         let angle: f64 = inside.iter().map(|&pixel| self.angle((pixel / self.size[0] as usize) as u32)).sum();
-        let (mut flux, all) = ([DVec3::ZERO; 3], [inside, around].concat());
+        let (mut flux, mut whole, all) = ([DVec3::ZERO; 3], DVec3::ZERO, [inside, around].concat());
         for &pixel in &all {
             let [column, row] = [pixel % self.size[0] as usize, pixel / self.size[0] as usize].map(|n| n as u32);
             let (t, a) = (0.5 * (self.polar(row) + self.polar(row + 1)), TAU * (f64::from(column) + 0.5));
             let a = a / f64::from(self.size[0]) - PI;
             let way = DVec3::new(t.sin() * a.sin(), t.cos(), -t.sin() * a.cos());
             let share = (wide(self.pixels[pixel]) - rest(pixel)) * self.angle(row);
+            whole += share;
             (0..3).for_each(|c| flux[c] += share[c] * way);
         }
         let direction = flux.iter().sum::<DVec3>().normalize_or_zero();
         let irradiance = DVec3::from_array(flux.map(|flux| flux.dot(direction).max(0.0)));
-        let others = PI * self.mean().element_sum() - irradiance.element_sum() / 4.0;
-        if irradiance.element_sum() < WEAKEST * others || !irradiance.is_finite() || direction == DVec3::ZERO {
+        // The factor on the image does not matter.
+        let mut plain = self.clone();
+        plain.factor = [1.0; 3];
+        let mean = plain.mean();
+        let (sum, others) = (irradiance.element_sum(), PI * mean.element_sum() - irradiance.element_sum() / 4.0);
+        let is_one = sum >= WEAKEST * others && sum >= ROUND * whole.element_sum() && direction != DVec3::ZERO;
+        if !is_one || !irradiance.is_finite() {
             return self;
         }
         let dimmed: Vec<_> = all.iter().map(|&pixel| (pixel, rest(pixel).as_vec3().to_array())).collect();
@@ -148,6 +156,12 @@ mod tests {
             assert!(direction.angle_between(toward) < 0.5 * PI / f64::from(width / 2), "{direction} {toward}");
             assert!((red / exact - 1.0).abs() < 0.01 && (2.0 * green / red - 1.0).abs() < 1e-4 && blue == 0.0, "{red}");
             assert!((1.0 - narrowness).acos().to_degrees() < 1.5 * radius + 180.0 / f64::from(width));
+            // Whatever the factor.
+            for factor in [[0.01; 3], [100.0; 3]] {
+                let mut other = before.clone();
+                other.factor = factor;
+                assert_eq!(other.with_sun().sun, after.sun);
+            }
             // Nothing is lost, and nothing stays.
             assert!((after.mean() / before.mean() - 1.0).abs().max_element() < 1e-3);
             assert!(after.brightest()[0] < 9e4 / CONTRAST);
@@ -165,6 +179,10 @@ mod tests {
             let sky = disc(256, toward, radius, radiance);
             assert_eq!(sky.clone().with_sun(), sky, "{radius} {radiance}");
         }
+        // A bright line of 20 degrees, no larger than a sun.
+        let line = |k: usize| if k / 512 == 100 && k % 512 < 28 { [9e4; 3] } else { [1.0; 3] };
+        let sky = Sky::new([512, 256], (0..512 * 256).map(line).collect());
+        assert_eq!(sky.clone().with_sun(), sky);
         for pixels in [Vec::new(), vec![[0.0; 3]; 4], vec![[f32::MAX; 3]; 4]] {
             let sky = Sky::new([pixels.len() as u32, 1], pixels);
             assert!(sky.with_sun().sun().is_none());

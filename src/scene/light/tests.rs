@@ -76,6 +76,14 @@ fn names_the_key_at_fault() {
             "light.1.samples: out of range; found 0; expected a whole number from 1 to 64",
         ),
         ("type = 'environment'".into(), "light.1.image: neither an image nor a radiance is given"),
+        (
+            "type = 'environment'\nradiance = 1\nsun = true".into(),
+            "light.1.sun: a sun is looked for in an image file only",
+        ),
+        (
+            "type = 'environment'\nimage = 'builtin:sky'\nsun = false".into(),
+            "light.1.sun: a sun is looked for in an image file only",
+        ),
         ("type = 'environment'\nimage = 'a.exr'\nradiance = 1".into(), "light.1.radiance: both an image and"),
         ("type = 'environment'\nradiance = -1".into(), "light.1.radiance: out of range; found [-1, -1, -1]"),
         ("type = 'environment'\nradiance = 1\nshadows = true".into(), "light.1.shadows: an environment light"),
