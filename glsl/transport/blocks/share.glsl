@@ -3,7 +3,8 @@
 // on their order. With LANES = 1 each invocation has an item of its own, and walks alone.
 #include "transport/blocks/lanes.glsl"
 
-// Room for the words that are noted and the nodes that wait, together: if there are more, one invocation walks alone.
+// Room for the words that are noted and the nodes that wait, together. If there are more, `link` goes by parts of the
+// tree, and `coarse_solve` sums by one invocation.
 const uint POOL = 1536;
 // Once many nodes wait, room is left for a way down of this many levels.
 const uint DEEPEST = 128;
