@@ -102,7 +102,7 @@ impl Recorder {
         let groups = match work {
             Work::Invocations(count) => Groups::Direct(kernel.grid(count)),
             Work::Grid(groups) => Groups::Direct(groups),
-            Work::Groups { .. } if kernel.shape.group.is_some_and(|size| size != GROUP_SIZE) => {
+            Work::Groups { .. } if kernel.lanes() == 1 && kernel.shape.group.is_some_and(|size| size != GROUP_SIZE) => {
                 return Err(Error::device(doing(), "its groups are counted by another kernel, in groups of 64"));
             }
             Work::Groups { buffer, offset } => Groups::Counted { range: range(buffer, offset, 12) },

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::logical_device::LogicalDevice;
 use crate::gpu::reflect::{Reflected, reflect};
 use crate::layout::{
-    BLOCK_RECEIVERS, CLIMBS_ID, GROUP_ID, GROUP_SIZE, LANES_ID, MOST_LANES, MOST_WIDE, TEAMS_ID, WIDE_ID,
+    BLOCK_RECEIVERS, CLIMBS_ID, COUNTED_ID, GROUP_ID, GROUP_SIZE, LANES_ID, MOST_LANES, MOST_WIDE, TEAMS_ID, WIDE_ID,
 };
 
 /// Groups of a kernel.
@@ -14,6 +14,8 @@ use crate::layout::{
 pub(in super::super) struct Shape {
     /// Invocations of a group, where they are set.
     pub(in super::super) group: Option<u32>,
+    /// Whether another kernel counts its groups.
+    counted: bool,
     /// The constant that tells the kernel how invocations share items, and how many have one item.
     shared: Option<(u32, u32)>,
 }
@@ -31,18 +33,20 @@ impl Shape {
     }
 
     /// The shape where as many invocations share an item, if the kernel lets them; a user's may not. Groups that
-    /// another kernel counts keep their size.
+    /// another kernel counts have at least their usual size.
     pub(in super::super) fn with_lanes(lanes: u32, found: &Reflected) -> Self {
         let has = |id: u32| found.constants.contains_key(&id);
         let teams = |group: u32| Some((group, (TEAMS_ID, group / BLOCK_RECEIVERS as u32)));
         let shared = match lanes > 1 {
             true if has(WIDE_ID) => Some((lanes, (WIDE_ID, lanes))),
+            true if has(TEAMS_ID) && has(COUNTED_ID) => teams(lanes.max(GROUP_SIZE)),
             true if has(TEAMS_ID) => teams(if has(GROUP_ID) { lanes } else { GROUP_SIZE }),
             true if has(GROUP_ID) && has(LANES_ID) => Some((lanes, (LANES_ID, lanes))),
             true if has(GROUP_ID) && has(CLIMBS_ID) => Some((GROUP_SIZE, (CLIMBS_ID, 1))),
             _ => None,
         };
-        Self { group: shared.map(|(group, _)| group), shared: shared.map(|(_, constant)| constant) }
+        let counted = has(COUNTED_ID);
+        Self { group: shared.map(|(group, _)| group), shared: shared.map(|(_, constant)| constant), counted }
     }
 
     /// How many invocations share an item, or a block's receivers: those of a group, or 1.
@@ -57,7 +61,8 @@ impl Shape {
 
     /// The specialization constants that set it.
     pub(in super::super) fn constants(&self) -> impl Iterator<Item = (u32, u32)> {
-        self.group.map(|size| (GROUP_ID, size)).into_iter().chain(self.shared)
+        let id = if self.counted { COUNTED_ID } else { GROUP_ID };
+        self.group.map(|size| (id, size)).into_iter().chain(self.shared)
     }
 }
 
@@ -134,15 +139,17 @@ mod tests {
             ("transport/diffusion/boundary_integrals/expand", 128, (LANES_ID, 128)),
             ("transport/blocks/gather/direct", 128, (TEAMS_ID, 8)),
             ("transport/diffusion/boundary_integrals/direct", 128, (TEAMS_ID, 8)),
-            ("transport/blocks/gather/edge", GROUP_SIZE, (TEAMS_ID, 4)),
-            ("transport/diffusion/boundary_integrals/edge", GROUP_SIZE, (TEAMS_ID, 4)),
+            ("transport/blocks/gather/edge", 128, (TEAMS_ID, 8)),
+            ("transport/diffusion/boundary_integrals/edge", 128, (TEAMS_ID, 8)),
             ("transport/blocks/pull/cluster", GROUP_SIZE, (CLIMBS_ID, 1)),
         ] {
             let shared = shape(name, 128);
             assert_eq!((shared.group, shared.shared), (Some(group), Some(constant)), "{name}");
             assert_eq!((shared.lanes(), shared.an_item()), (group, constant.1), "{name}");
-            assert_eq!(shape(name, 1), Shape::default(), "{name}");
+            assert_eq!((shape(name, 1).group, shape(name, 1).shared), (None, None), "{name}");
         }
+        let counted = shape("transport/blocks/gather/edge", 32);
+        assert_eq!((counted.group, counted.shared), (Some(GROUP_SIZE), Some((TEAMS_ID, 4))));
         let alone = "transport/diffusion/boundary_integrals/source_edge";
         assert_eq!(shape(alone, 128), Shape::default());
     }
