@@ -8,6 +8,8 @@
 //!
 //! Each invocation also adds up what it goes through one after the other, instructions and loads, whatever they work
 //! on. The most of each, over the invocations of a dispatch, say about how long that takes, however wide the device is.
+//! One invocation of those that a subgroup has in a block also adds up what the subgroup issues there, once for all of
+//! them: that is what a device with vectors pays for.
 
 mod code;
 mod read;
@@ -25,8 +27,7 @@ use read::{Chains, Module};
 use write::Counters;
 
 pub use code::Code;
-pub(super) use tally::Block;
-use tally::CHAIN;
+pub(super) use tally::{Block, CHAIN};
 pub use tally::{Chain, Tally, Traffic};
 #[cfg(feature = "measure")]
 pub(crate) use touch::touching;
@@ -41,9 +42,10 @@ pub(super) struct Counted {
 }
 
 impl Counted {
-    /// Words of a dispatch's counters: two a block, the lower one first, then those of the longest [`Chain`].
+    /// Words of a dispatch's counters: two a block, the lower one first, then those of the longest [`Chain`], and two of
+    /// what subgroups issue.
     pub(super) fn counters(blocks: &[Block]) -> usize {
-        2 * blocks.len() + CHAIN
+        2 * blocks.len() + CHAIN + 2
     }
 }
 
@@ -53,8 +55,8 @@ pub(super) fn counted(words: &[u32]) -> Option<Counted> {
     let blocks = blocks(&module, words);
     let mut out = Edited::begin(words)?;
     let longest = 2 * blocks.len() as u32;
-    let most = blocks.iter().flat_map(|block| block.chain).max().unwrap_or_default();
-    let counters = Counters::declare(&mut out, &module.declared, most.max(longest + CHAIN as u32));
+    let most = blocks.iter().flat_map(|block| [block.instructions].into_iter().chain(block.chain)).max().unwrap_or(0);
+    let counters = Counters::declare(&mut out, &module.declared, most.max(longest + CHAIN as u32 + 1));
     let (mut waiting, mut numbered, mut function) = (None::<(&Block, u32)>, blocks.iter().zip(0..), 0);
     let words = out.finish(words, |out, instruction| {
         // Counting comes after the phis and variables of a block.
@@ -63,6 +65,7 @@ pub(super) fn counted(words: &[u32]) -> Option<Counted> {
         {
             counters.count(out, number);
             counters.add(out, block.chain);
+            counters.issue(out, block.instructions);
         }
         match (instruction.op, instruction.operands) {
             (Some(Op::Function), [_, id, ..]) => function = *id,
@@ -71,6 +74,7 @@ pub(super) fn counted(words: &[u32]) -> Option<Counted> {
             _ => {}
         }
         counters.keep(out, instruction);
+        counters.elect(out, instruction);
         Some(())
     })?;
     Some(Counted { words, blocks })

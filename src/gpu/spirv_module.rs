@@ -1,6 +1,6 @@
 //! A SPIR-V module as the words that it is made of: its instructions, what it declares, and copies of it with changes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use spirq::spirv::{Capability, Decoration, ExecutionMode, Op, StorageClass};
 
@@ -48,6 +48,8 @@ pub(super) fn whole(module: &[u32]) -> bool {
 pub(super) struct Declared<'a> {
     /// The function that a kernel begins with.
     pub(super) entry: u32,
+    /// Its capabilities.
+    pub(super) capabilities: BTreeSet<u32>,
     /// How types are made, and of what.
     pub(super) types: BTreeMap<u32, (Op, &'a [u32])>,
     /// The only word of each constant.
@@ -65,6 +67,7 @@ impl<'a> Declared<'a> {
         for Instruction { op, operands, .. } in instructions(module) {
             match (op, operands) {
                 (Some(Op::EntryPoint), [_, id, ..]) => found.entry = *id,
+                (Some(Op::Capability), [number, ..]) => drop(found.capabilities.insert(*number)),
                 (Some(Op::Decorate), [id, what, operand, ..]) => {
                     found.decorations.insert((*id, None, *what), *operand);
                 }

@@ -73,6 +73,25 @@ fn the_longest_chain_of_loads_is_counted() {
 }
 
 #[test]
+fn what_a_subgroup_issues_counts_once_however_many_of_its_invocations_run_it() {
+    on_devices(|device| {
+        let counted = |elements: u64, rounds: u64| {
+            let size: Vec<u8> = [elements, rounds].iter().flat_map(|&n| (n as u32).to_ne_bytes()).collect();
+            let next: Vec<u8> = (0..elements as u32).flat_map(|k| ((k + 1) % elements as u32).to_ne_bytes()).collect();
+            let alone = SingleKernel { name: "chain", spirv: CHAIN, constants: &[] };
+            let tally = alone.tally(device, &mut [size, next.clone(), next], elements).unwrap().unwrap();
+            (tally.instructions, tally.issued)
+        };
+        // Further rounds of a loop that all invocations of 64 run, and that one of 64 does.
+        for (elements, active) in [(64, u64::from(device.limits().subgroup_size)), (1, 1)] {
+            let ((few, few_issued), (many, many_issued)) = (counted(elements, 1), counted(elements, 11));
+            assert!(many_issued > few_issued, "{elements}: {few_issued} and {many_issued}");
+            assert_eq!(many - few, active * (many_issued - few_issued), "{}: {elements}", device.name());
+        }
+    });
+}
+
+#[test]
 fn waits_in_a_group_come_one_after_the_other() {
     on_devices(|device| {
         let mut buffers = [[100u32, 0].iter().flat_map(|n| n.to_ne_bytes()).collect(), vec![0; 256]];

@@ -131,6 +131,9 @@ impl<'a> Module<'a> {
         if let Some((pointer, traffic)) = self.traffic(op, operands) {
             if let Some(&binding) = self.pointers.get(&pointer) {
                 block.moved.entry(binding).or_default().add(1, traffic);
+                block.atomics += u32::from(replaces(op));
+            } else if self.shared.contains(&pointer) {
+                block.shared += u32::try_from((traffic.loaded + traffic.stored) / 4).unwrap_or(u32::MAX);
             }
             return;
         }

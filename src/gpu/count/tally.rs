@@ -23,6 +23,10 @@ pub(in super::super) struct Block {
     pub(super) codes: BTreeSet<Code>,
     /// Bytes of buffers, by binding.
     pub(super) moved: BTreeMap<u32, Traffic>,
+    /// Words of shared memory that are loaded and stored.
+    pub(super) shared: u32,
+    /// Operations that read a word of a buffer and write it in one step.
+    pub(super) atomics: u32,
 }
 
 /// Bytes of one buffer that loads and stores name.
@@ -43,7 +47,7 @@ impl Traffic {
 }
 
 /// Numbers of a [`Chain`].
-pub(super) const CHAIN: usize = 3;
+pub(in super::super) const CHAIN: usize = 3;
 
 /// What an invocation goes through one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,6 +91,12 @@ pub struct Tally {
     /// Instructions that all invocations issue, estimated: one a number of arithmetic, eight a root, quotient or
     /// exponential, one for 16 bytes of a load or store.
     pub instructions: u64,
+    /// Instructions that all subgroups issue, each once for those of its invocations that run it.
+    pub issued: u64,
+    /// Words of shared memory that are loaded and stored.
+    pub shared: u64,
+    /// Operations that read a word of a buffer and write it in one step.
+    pub atomics: u64,
     /// What all invocations go through, together.
     pub chains: Chain,
     /// The most of each that one invocation goes through; of several dispatches, one after the other, the sum.
@@ -101,14 +111,16 @@ pub struct Tally {
 
 impl Tally {
     /// What the blocks have done together in a dispatch, each having run `counts` times.
-    pub(in super::super) fn new(blocks: &[Block], counts: &[u64], longest: Chain) -> Self {
-        let mut tally = Self { dispatches: 1, longest, ..Self::default() };
+    pub(in super::super) fn new(blocks: &[Block], counts: &[u64], longest: Chain, issued: u64) -> Self {
+        let mut tally = Self { dispatches: 1, longest, issued, ..Self::default() };
         for (block, &count) in blocks.iter().zip(counts) {
             tally.invocations += if block.entry { count } else { 0 };
             tally.flops += count * u64::from(block.flops);
             tally.roots += count * u64::from(block.roots);
             tally.exps += count * u64::from(block.exps);
             tally.instructions += count * u64::from(block.instructions);
+            tally.shared += count * u64::from(block.shared);
+            tally.atomics += count * u64::from(block.atomics);
             tally.chains.add(count, Chain::of(block.chain));
             tally.listed.extend(block.codes.iter().cloned());
             if count > 0 {
@@ -135,6 +147,9 @@ impl Tally {
         self.roots += other.roots;
         self.exps += other.exps;
         self.instructions += other.instructions;
+        self.issued += other.issued;
+        self.shared += other.shared;
+        self.atomics += other.atomics;
         self.chains.add(1, other.chains);
         self.longest.add(1, other.longest);
         self.listed.extend(other.listed.iter().cloned());

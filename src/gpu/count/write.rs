@@ -1,6 +1,6 @@
 //! A buffer of counters in a copy of a SPIR-V module, and the instructions that increment them.
 
-use spirq::spirv::{Decoration, MemorySemantics, Op, Scope, StorageClass};
+use spirq::spirv::{Capability, Decoration, MemorySemantics, Op, Scope, StorageClass};
 
 use super::CHAIN;
 use crate::gpu::spirv_module::{Declared, Edited, Instruction};
@@ -19,10 +19,11 @@ pub(super) struct Counters {
     variable: u32,
     /// The constant 0; `zero + n` is the constant n, up to the largest that was asked for.
     zero: u32,
-    /// The constant of all ones.
-    largest: u32,
-    /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain).
-    own: [u32; CHAIN],
+    /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain), and
+    /// what its subgroup has issued where it was elected.
+    own: [u32; CHAIN + 1],
+    /// Whether the module has what [`Op::GroupNonUniformElect`] needs.
+    elects: bool,
 }
 
 impl Counters {
@@ -58,11 +59,20 @@ impl Counters {
         for number in 1..=most.max(1) {
             constant(number);
         }
-        let largest = constant(u32::MAX);
         out.declare(Op::TypePointer, &[own_pointer, private, uint]);
         let own = std::array::from_fn(|_| out.id());
         own.iter().for_each(|id| out.declare(Op::Variable, &[own_pointer, *id, private, zero]));
-        Self { uint, boolean, word_pointer, variable, zero, largest, own }
+        let elects = module.capabilities.contains(&(Capability::GroupNonUniform as u32));
+        Self { uint, boolean, word_pointer, variable, zero, own, elects }
+    }
+
+    /// Asks for what counting by subgroup needs, after the module's own capability of shaders.
+    pub(super) fn elect(self, out: &mut Edited, instruction: Instruction<'_>) {
+        if !self.elects
+            && (instruction.op, instruction.operands) == (Some(Op::Capability), &[Capability::Shader as u32])
+        {
+            out.put(Op::Capability, &[Capability::GroupNonUniform as u32]);
+        }
     }
 
     /// Copies an instruction; the entry point lists the variables that it uses.
@@ -85,31 +95,50 @@ impl Counters {
         }
     }
 
-    /// The invocation ends: the words from this one on become what it has done, if that is more.
+    /// The subgroup issues so many instructions.
+    pub(super) fn issue(self, out: &mut Edited, instructions: u32) {
+        let Self { uint, boolean, zero, own, .. } = self;
+        let [elected, once, before, after] = std::array::from_fn(|_| out.id());
+        out.put(Op::GroupNonUniformElect, &[boolean, elected, zero + Scope::Subgroup as u32]);
+        out.put(Op::Select, &[uint, once, elected, zero + instructions, zero]);
+        out.put(Op::Load, &[uint, before, own[CHAIN]]);
+        out.put(Op::IAdd, &[uint, after, before, once]);
+        out.put(Op::Store, &[own[CHAIN], after]);
+    }
+
+    /// The invocation ends: the words from this one on become what it has done, if that is more; the two after them
+    /// hold the sum of what subgroups issued.
     pub(super) fn end(self, out: &mut Edited, first: u32) {
         let Self { uint, word_pointer, variable, zero, own, .. } = self;
         let (scope, semantics) = (zero + Scope::Device as u32, zero + MemorySemantics::RELAXED.bits());
-        for (own, word) in own.into_iter().zip(first..) {
+        for (own, word) in own[..CHAIN].iter().zip(first..) {
             let [place, done, before] = std::array::from_fn(|_| out.id());
             out.put(Op::AccessChain, &[word_pointer, place, variable, zero, zero + word]);
-            out.put(Op::Load, &[uint, done, own]);
+            out.put(Op::Load, &[uint, done, *own]);
             out.put(Op::AtomicUMax, &[uint, before, place, scope, semantics, done]);
         }
+        let issued = out.id();
+        out.put(Op::Load, &[uint, issued, own[CHAIN]]);
+        self.increase(out, first + CHAIN as u32, issued);
     }
 
-    /// Adds one to a counter of 64 bits: to its lower word, and to its upper one where the lower one overflows.
+    /// A block runs: adds one to its counter.
     pub(super) fn count(self, out: &mut Edited, counter: u32) {
-        let Self { uint, boolean, word_pointer, variable, zero, largest, .. } = self;
-        let constant = |number: u32| zero + number;
-        let (one, scope) = (constant(1), constant(Scope::Device as u32));
-        let semantics = constant(MemorySemantics::RELAXED.bits());
-        let [low, high, before, full, carry, after] = std::array::from_fn(|_| out.id());
-        out.put(Op::AccessChain, &[word_pointer, low, variable, zero, constant(2 * counter)]);
-        out.put(Op::AccessChain, &[word_pointer, high, variable, zero, constant(2 * counter + 1)]);
-        out.put(Op::AtomicIAdd, &[uint, before, low, scope, semantics, one]);
-        out.put(Op::IEqual, &[boolean, full, before, largest]);
-        out.put(Op::Select, &[uint, carry, full, one, zero]);
-        out.put(Op::AtomicIAdd, &[uint, after, high, scope, semantics, carry]);
+        self.increase(out, 2 * counter, self.zero + 1);
+    }
+
+    /// Adds to a number of 64 bits: to its lower word, and one to its upper one where the lower one overflows.
+    fn increase(self, out: &mut Edited, word: u32, by: u32) {
+        let Self { uint, boolean, word_pointer, variable, zero, .. } = self;
+        let (scope, semantics) = (zero + Scope::Device as u32, zero + MemorySemantics::RELAXED.bits());
+        let [low, high, before, after, over, carry, upper] = std::array::from_fn(|_| out.id());
+        out.put(Op::AccessChain, &[word_pointer, low, variable, zero, zero + word]);
+        out.put(Op::AccessChain, &[word_pointer, high, variable, zero, zero + word + 1]);
+        out.put(Op::AtomicIAdd, &[uint, before, low, scope, semantics, by]);
+        out.put(Op::IAdd, &[uint, after, before, by]);
+        out.put(Op::ULessThan, &[boolean, over, after, before]);
+        out.put(Op::Select, &[uint, carry, over, zero + 1, zero]);
+        out.put(Op::AtomicIAdd, &[uint, upper, high, scope, semantics, carry]);
     }
 
     /// Notes that this element is named: the number at `note` becomes at least one more.

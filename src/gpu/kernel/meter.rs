@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::Kernel;
 use crate::error::Result;
-use crate::gpu::count::{Block, Chain, Counted, Tally, counted};
+use crate::gpu::count::{Block, CHAIN, Chain, Counted, Tally, counted};
 use crate::gpu::logical_device::LogicalDevice;
 use crate::gpu::memory::Buffer;
 
@@ -66,9 +66,10 @@ impl Meter {
         self.counters.download(bytemuck::cast_slice_mut(&mut words))?;
         self.counters.upload(&vec![0; 4 * words.len()])?;
         let tally = |words: &[u32]| {
-            let (counts, longest) = words.split_at(2 * self.blocks.len());
-            let counts: Vec<u64> = counts.chunks(2).map(|both| u64::from(both[1]) << 32 | u64::from(both[0])).collect();
-            Tally::new(&self.blocks, &counts, Chain::of([longest[0], longest[1], longest[2]]))
+            let (counts, ends) = words.split_at(2 * self.blocks.len());
+            let number = |both: &[u32]| u64::from(both[1]) << 32 | u64::from(both[0]);
+            let counts: Vec<u64> = counts.chunks(2).map(number).collect();
+            Tally::new(&self.blocks, &counts, Chain::of([ends[0], ends[1], ends[2]]), number(&ends[CHAIN..]))
         };
         let mut tallies: Vec<(u64, Tally)> = dispatches.into_iter().zip(words.chunks(stride).map(tally)).collect();
         if let Some((_, last)) = tallies.last_mut() {

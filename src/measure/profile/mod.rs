@@ -20,7 +20,7 @@ mod work;
 pub use self::agreement::{Agreement, agreement};
 pub use self::model::{Model, Predicted, Prediction, predict};
 pub use self::quantiles::Quantiles;
-pub use rates::{Rates, rates};
+pub use rates::{FinerRates, Rates, finer_rates, rates};
 pub use roofline::roofline;
 pub use trace::trace;
 pub use work::{Work, work};
@@ -123,7 +123,7 @@ pub struct Profile {
 
 impl Row {
     /// Device time in seconds, the basis of the shares.
-    fn seconds(&self) -> Option<f64> {
+    pub(super) fn seconds(&self) -> Option<f64> {
         self.device.map(|spread| spread.median * 1e-3).filter(|seconds| *seconds > 0.0)
     }
 

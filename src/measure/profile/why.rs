@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Profile, Row, Settings};
+use super::{FinerRates, Profile, Rates, Row, Settings, finer_rates};
 use crate::error::Result;
 use crate::gpu::{COUNTERS, Device, STATISTICS};
 use crate::measure::overheads::{Overheads, overheads};
@@ -19,43 +19,142 @@ use crate::session::run::Session;
 pub struct Bounds {
     /// Moving data as fast as the device copies.
     pub copy: f64,
+    /// Loads and stores of buffers, as fast as the nearest cache serves loads that wait for each other.
+    pub loads: f64,
+    /// Loads and stores of shared memory, likewise.
+    pub shared: f64,
+    /// Atomic operations on buffers.
+    pub atomics: f64,
     /// Additions and multiplications at the device's rate.
     pub fma: f64,
     /// Exponentials at the device's rate.
     pub exp: f64,
+    /// Divisions and square roots, at the device's rate of divisions.
+    pub divide: f64,
+    /// All other instructions, at the device's rate of integer instructions.
+    pub integer: f64,
     /// Dispatches, as long as empty ones take.
     pub launches: f64,
     /// Barriers.
     pub barriers: f64,
-    /// The rest: waits for loads that depend on each other, branches that diverge, operations without a rate.
+    /// By how much longer the loads of buffers could take if each fell anywhere in what the stage binds.
+    pub misses: f64,
+    /// The rest, such as operations that wait for each other.
     pub waits: f64,
 }
 
+/// What a stage's work would take at the device's rates, shares of its time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Shares {
+    copy: f64,
+    /// Loads of buffers, of shared memory, and atomic operations.
+    accesses: [f64; 3],
+    /// Multiply-adds, exponentials, divisions and other instructions.
+    arithmetic: [f64; 4],
+    /// By how much longer the loads of buffers could take.
+    misses: f64,
+}
+
+/// The rates that a stage's work is held against.
+struct Limits<'a> {
+    rates: &'a Rates,
+    finer: &'a FinerRates,
+    /// Invocations of a subgroup.
+    lanes: u32,
+    /// Whether loads and arithmetic take turns, as a processor's vectors do.
+    in_turn: bool,
+}
+
+impl Limits<'_> {
+    /// What a row's work would take, where idle lanes issue what the others do.
+    fn shares(&self, row: &Row) -> Option<Shares> {
+        let (rates, finer, work, seconds) = (self.rates, self.finer, row.work?, row.seconds()?);
+        let share = |count: u64, rate: f64| count as f64 / rate / seconds;
+        // As `gpu::count` counts instructions: one a float operation, eight a root, quotient or exponential.
+        let floats = work.flops + 8 * (work.roots + work.exps);
+        let idle = f64::from(self.lanes) * work.issued as f64 / work.instructions.max(1) as f64;
+        let arithmetic = [
+            share(work.flops, 2.0 * rates.fma),
+            share(work.exps, rates.exp),
+            share(work.roots, finer.divide),
+            share(work.instructions.saturating_sub(floats), finer.integer),
+        ];
+        let (bound, moved) = (work.read + work.written, work.loaded + work.stored);
+        let loads = share(moved, finer.loads_in(0)?);
+        Some(Shares {
+            copy: share(bound, rates.copy),
+            accesses: [loads, share(work.shared, finer.shared), share(work.atomics, finer.atomic)],
+            arithmetic: arithmetic.map(|part| part * idle.max(1.0)),
+            misses: (share(moved, finer.loads_in(bound)?) - loads).max(0.0),
+        })
+    }
+}
+
+impl Shares {
+    /// Loads and arithmetic at the device's rates.
+    fn work(&self, in_turn: bool) -> f64 {
+        let (accesses, arithmetic) = (self.accesses.iter().sum::<f64>(), self.arithmetic.iter().sum());
+        self.copy.max(if in_turn { accesses + arithmetic } else { accesses.max(arithmetic) })
+    }
+}
+
 impl Bounds {
-    /// The parts of a stage's time, from the shares of it that launches and barriers take, and that copies,
-    /// multiply-adds and exponentials would take each. The last three overlap, so that only the largest of them counts,
-    /// and no more than launches and barriers leave.
-    fn of(launches: f64, barriers: f64, rates: [f64; 3]) -> Self {
+    /// The parts of a stage's time, from the shares of it that launches and barriers take, and what its work would take.
+    ///
+    /// Copies overlap with all else, so that either they count or the others, whichever take longer. Loads and
+    /// arithmetic count both where they take turns. None takes more than what launches and barriers leave.
+    fn of(launches: f64, barriers: f64, shares: &Shares, in_turn: bool) -> Self {
         let launches = launches.clamp(0.0, 1.0);
         let barriers = barriers.clamp(0.0, 1.0 - launches);
         let left = 1.0 - launches - barriers;
-        let most = rates.iter().copied().fold(0.0, f64::max);
-        let first = rates.iter().position(|rate| *rate == most);
-        let [copy, fma, exp] = [0, 1, 2].map(|k| if first == Some(k) { most.min(left) } else { 0.0 });
-        Self { copy, fma, exp, launches, barriers, waits: left - copy - fma - exp }
+        let (work, accesses, arithmetic) =
+            (shares.work(in_turn), shares.accesses.iter().sum::<f64>(), shares.arithmetic.iter().sum::<f64>());
+        let fits = if work > left { left / work } else { 1.0 };
+        let counted = |counts: bool| if counts { fits } else { 0.0 };
+        let copies = shares.copy >= work;
+        let loads = counted(!copies && (in_turn || accesses >= arithmetic));
+        let operations = counted(!copies && (in_turn || accesses < arithmetic));
+        let misses = shares.misses.min(left - fits * work).max(0.0);
+        let [fma, exp, divide, integer] = shares.arithmetic.map(|part| operations * part);
+        Self {
+            copy: counted(copies) * shares.copy,
+            loads: loads * shares.accesses[0],
+            shared: loads * shares.accesses[1],
+            atomics: loads * shares.accesses[2],
+            fma,
+            exp,
+            divide,
+            integer,
+            launches,
+            barriers,
+            misses,
+            waits: (left - fits * work - misses).max(0.0),
+        }
     }
 
     /// The parts with their names.
     #[must_use]
-    pub fn parts(&self) -> [(&'static str, f64); 6] {
+    pub fn parts(&self) -> [(&'static str, f64); 12] {
         [
             ("copy", self.copy),
+            ("loads", self.loads),
+            ("shared", self.shared),
+            ("atomics", self.atomics),
             ("FMA", self.fma),
             ("exp", self.exp),
+            ("divide", self.divide),
+            ("integer", self.integer),
             ("launches", self.launches),
             ("barriers", self.barriers),
+            ("misses", self.misses),
             ("waits", self.waits),
         ]
+    }
+
+    /// Memory, as far as caches serve it, and arithmetic.
+    #[must_use]
+    pub fn work(&self) -> [f64; 2] {
+        [self.copy + self.loads + self.shared + self.atomics, self.fma + self.exp + self.divide + self.integer]
     }
 
     /// The largest part.
@@ -80,6 +179,11 @@ pub struct Stage {
     pub barriers: usize,
     /// Where its time goes; `None` if its work was not counted.
     pub bounds: Option<Bounds>,
+    /// Milliseconds that its launches, barriers, loads and arithmetic would take at the device's rates, and caches that
+    /// hold all of it.
+    pub model_ms: Option<f64>,
+    /// Invocations of a subgroup that run an instruction that it issues, on average.
+    pub lanes: Option<f64>,
     /// Pipelines created for it.
     pub pipelines: usize,
     /// Milliseconds in which the driver created them, by the host's clock.
@@ -110,6 +214,8 @@ pub struct FrameParts {
 /// Why a frame takes as long as it does.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Why {
+    /// Rates of the device beside those of the profile; `None` without timestamps.
+    pub rates: Option<FinerRates>,
     /// The least times of a dispatch, a barrier and a submission, microseconds.
     pub overheads_us: Overheads,
     /// Where the frame's time goes, milliseconds.
@@ -127,6 +233,14 @@ pub struct Why {
 /// Explains a profile of a scene on a device; opens the device once more, so that all pipelines are made anew.
 pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile) -> Result<Why> {
     let overheads = overheads(device, settings.seed)?;
+    let finer = finer_rates(device)?;
+    let in_turn = device.adapter().kind == "cpu";
+    let limits = found.rates.as_ref().zip(finer.as_ref()).map(|(rates, finer)| Limits {
+        rates,
+        finer,
+        lanes: device.limits().subgroup_size,
+        in_turn,
+    });
     let fresh = device.with_statistics()?;
     let mut session = Session::new(scene, Some(&fresh), settings.options)?;
     let first = session.frame(Change::EVERYTHING)?;
@@ -153,6 +267,7 @@ pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile)
             last.iter().filter(|step| step.name == row.stage).map(count).sum()
         };
         let (dispatches, barriers) = (counts(|step| step.dispatches), counts(|step| step.barriers));
+        let held = limits.as_ref().and_then(|limits| bounds(row, [dispatches, barriers], &overheads, limits));
         let own = pipelines.get(row.stage.as_str()).map_or(&[][..], |own| &own[..]);
         let extra = sum(&first, &row.stage) - sum(&later, &row.stage);
         Some(Stage {
@@ -161,7 +276,9 @@ pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile)
             share: ms / total,
             dispatches,
             barriers,
-            bounds: bounds(found, row, [dispatches, barriers], &overheads),
+            bounds: held.map(|(bounds, _)| bounds),
+            model_ms: held.map(|(_, ms)| ms),
+            lanes: row.work.filter(|work| work.issued > 0).map(|work| work.instructions as f64 / work.issued as f64),
             pipelines: own.len(),
             creation_ms: own.iter().map(|(_, ms, _)| ms).sum(),
             first_run_ms: Some(extra).filter(|ms| ms.is_finite()),
@@ -183,6 +300,7 @@ pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile)
     Ok(Why {
         frame_ms: FrameParts::of(found.wall.median, &stages, submissions, &overheads),
         overheads_us: overheads,
+        rates: finer,
         submissions,
         stages,
         counters: device.counter_names()?,
@@ -190,13 +308,16 @@ pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile)
     })
 }
 
-/// The parts of a stage's time, with these dispatches and barriers.
-fn bounds(found: &Profile, row: &Row, counts: [usize; 2], overheads: &Overheads) -> Option<Bounds> {
+/// The parts of a stage's time, and the milliseconds of it that the device's rates explain, with these dispatches and
+/// barriers.
+fn bounds(row: &Row, counts: [usize; 2], overheads: &Overheads, limits: &Limits<'_>) -> Option<(Bounds, f64)> {
     let ms = row.device?.median;
-    let [copy, fma, exp] = found.shares(row);
     let cost = |count: usize, microseconds: f64| count as f64 * microseconds.max(0.0) * 1e-3 / ms;
     let launches = cost(counts[0], overheads.dispatch.value);
-    Some(Bounds::of(launches, cost(counts[1], overheads.barrier.value), [copy?, fma?, exp?]))
+    let barriers = cost(counts[1], overheads.barrier.value);
+    let shares = limits.shares(row)?;
+    let model = ms * (launches + barriers + shares.work(limits.in_turn));
+    Some((Bounds::of(launches, barriers, &shares, limits.in_turn), model))
 }
 
 impl FrameParts {
@@ -214,23 +335,96 @@ impl FrameParts {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Quantiles, Work};
     use super::*;
+    use crate::gpu::SingleKernel;
+    use crate::layout::BUFFER_IDS;
+
+    /// A stage with this work.
+    fn row(work: Work, seconds: f64) -> Row {
+        let times = Quantiles::of(vec![1e3 * seconds]);
+        Row {
+            stage: "a".into(),
+            steps: 1,
+            dispatches: 1,
+            device: Some(times),
+            interval: None,
+            wall: times,
+            work: Some(work),
+        }
+    }
+
+    /// The shares of work of a second, on a device that does 100 of most a second.
+    fn shares(work: Work) -> Shares {
+        let rates = Rates { copy: 1e9, fma: 100.0, exp: 100.0 };
+        let loads = vec![(1000, 100.0), (1_000_000, 10.0)];
+        let finer = FinerRates { integer: 100.0, divide: 100.0, loads, shared: 100.0, atomic: 100.0 };
+        Limits { rates: &rates, finer: &finer, lanes: 8, in_turn: false }.shares(&row(work, 1.0)).unwrap()
+    }
 
     #[test]
-    fn parts_are_the_whole() {
-        for (launches, barriers, rates, largest) in [
-            (0.1, 0.05, [0.2, 0.6, 0.1], "FMA"),
-            (0.1, 0.05, [0.2, 0.1, 0.1], "waits"),
-            (0.7, 0.9, [0.5, 0.1, 0.1], "launches"),
-            (3.0, 1.0, [2.0, 2.0, 2.0], "launches"),
-            (0.0, 0.0, [1.4, 0.3, 0.2], "copy"),
-            (-0.1, -0.1, [0.0, 0.0, 0.9], "exp"),
+    fn parts_are_the_whole_and_have_the_cause_s_name() {
+        let loop_of = |instructions: u64, issued: u64| Work { instructions, issued, ..Work::default() };
+        let chase = |read: u64| Work { loaded: 30, read, instructions: 8, issued: 1, ..Work::default() };
+        for (launches, barriers, work, largest) in [
+            (0.1, 0.05, loop_of(80, 10), "integer"),
+            // One lane of eight is at work.
+            (0.1, 0.05, loop_of(10, 10), "integer"),
+            (0.1, 0.05, Work { flops: 120, exps: 10, instructions: 200, issued: 25, ..Work::default() }, "FMA"),
+            (0.1, 0.05, Work { exps: 60, instructions: 480, issued: 60, ..Work::default() }, "exp"),
+            (0.1, 0.05, Work { roots: 60, instructions: 480, issued: 60, ..Work::default() }, "divide"),
+            (0.1, 0.05, Work { shared: 70, ..chase(20) }, "shared"),
+            (0.1, 0.05, Work { atomics: 70, ..chase(20) }, "atomics"),
+            (0.0, 0.0, Work { read: 1_400_000_000, loaded: 1, ..Work::default() }, "copy"),
+            (0.1, 0.05, Work { loaded: 70, ..chase(20) }, "loads"),
+            (0.1, 0.05, chase(20), "waits"),
+            (0.1, 0.05, chase(1_000_000), "misses"),
+            (0.7, 0.9, loop_of(80, 10), "launches"),
+            (3.0, 1.0, Work { loaded: 1000, ..chase(20) }, "launches"),
+            (-0.1, -0.1, Work { exps: 90, instructions: 720, issued: 90, ..Work::default() }, "exp"),
         ] {
-            let bounds = Bounds::of(launches, barriers, rates);
-            let parts = bounds.parts();
-            assert!((parts.iter().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-12, "{bounds:?}");
-            assert!(parts.iter().all(|(_, share)| (-1e-12..=1.0).contains(share)), "{bounds:?}");
-            assert_eq!(bounds.largest(), largest, "{bounds:?}");
+            for in_turn in [false, true] {
+                let bounds = Bounds::of(launches, barriers, &shares(work), in_turn);
+                let parts = bounds.parts();
+                assert!((parts.iter().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-12, "{bounds:?}");
+                assert!(parts.iter().all(|(_, share)| (-1e-12..=1.0).contains(share)), "{bounds:?}");
+                assert_eq!(bounds.largest(), largest, "{bounds:?}");
+            }
         }
+    }
+
+    #[test]
+    fn kernels_are_named_as_what_they_are() {
+        let Some(device) = Device::best().unwrap() else { panic!("no Vulkan device") };
+        for (kernel, bytes, largest) in [
+            ("chase", 1 << 14, "loads"),
+            ("chase", 1 << 24, "misses"),
+            ("integer", 16, "integer"),
+            ("divide", 16, "divide"),
+            ("exp", 16, "exp"),
+            ("fma", 16, "FMA"),
+            ("shared", 1 << 12, "shared"),
+            ("atomic", 16, "atomics"),
+        ] {
+            let name = format!("measure/{kernel}");
+            let alone = SingleKernel { name: &name, spirv: crate::gpu::spirv(&name).unwrap(), constants: &[64] };
+            let mut buffers = [vec![0; bytes], vec![0; 1 << 12]];
+            let tally = alone.tally(&device, &mut buffers, 1 << 10).unwrap().unwrap();
+            let work = Work::new(&tally, |slot| if slot == BUFFER_IDS[0] { bytes as u64 } else { 1 << 12 });
+            // It takes as long as it would on this device.
+            let rates = Rates { copy: 4e6, fma: 4e6, exp: 2e6 };
+            let loads = vec![(1 << 15, 4e6), (1 << 20, 4e5)];
+            let finer = FinerRates { integer: 4e6, divide: 2e6, loads, shared: 2e5, atomic: 2e5 };
+            let limits = Limits { rates: &rates, finer: &finer, lanes: 1, in_turn: true };
+            let a_second = limits.shares(&row(work, 1.0)).unwrap();
+            let shares = limits.shares(&row(work, a_second.work(true) + a_second.misses)).unwrap();
+            assert_eq!(Bounds::of(0.0, 0.0, &shares, true).largest(), largest, "{kernel}: {work:?} {shares:?}");
+        }
+    }
+
+    #[test]
+    fn loads_and_arithmetic_add_up_where_they_take_turns() {
+        let both = shares(Work { loaded: 30, read: 20, instructions: 40, issued: 5, ..Work::default() });
+        assert_eq!([both.work(true), both.work(false)], [0.7, 0.4]);
     }
 }

@@ -46,6 +46,14 @@ pub struct Work {
     /// Instructions that all invocations issue, estimated: one a number of arithmetic, integers included, eight a root,
     /// quotient or exponential, one for 16 bytes of a load or store.
     pub instructions: u64,
+    /// Instructions that all subgroups issue, each once for those of its invocations that run it: `instructions` over
+    /// this is how many lanes are at work.
+    pub issued: u64,
+    /// Words of shared memory that are loaded and stored.
+    #[serde(rename = "shared_words")]
+    pub shared: u64,
+    /// Operations on buffers that read a word and write it in one step.
+    pub atomics: u64,
     /// Instructions that wait for one another, of the invocation with the most of them, summed over the dispatches.
     pub longest_steps: u64,
     /// Loads of buffers that wait for one another, likewise.
@@ -110,20 +118,23 @@ pub(super) fn counted(scene: &Scene, device: &Device, settings: &Settings, plain
 }
 
 impl Work {
-    /// The same but for chains, which are estimates.
+    /// The same but for chains, which are estimates, and for what depends on which invocations share a subgroup.
     #[must_use]
     pub fn counts(self) -> Self {
-        Self { longest_steps: 0, longest_loads: 0, longest_shared: 0, ..self }
+        Self { issued: 0, longest_steps: 0, longest_loads: 0, longest_shared: 0, ..self }
     }
 
     /// What was counted, where so many bytes of each buffer are bound.
-    fn new(tally: &Tally, bound: impl Fn(BufferId) -> u64) -> Self {
+    pub(super) fn new(tally: &Tally, bound: impl Fn(BufferId) -> u64) -> Self {
         let mut work = Self {
             invocations: tally.invocations,
             flops: tally.flops,
             roots: tally.roots,
             exps: tally.exps,
             instructions: tally.instructions,
+            issued: tally.issued,
+            shared: tally.shared,
+            atomics: tally.atomics,
             longest_steps: tally.longest.steps,
             longest_loads: tally.longest.loads,
             longest_shared: tally.longest.shared,
