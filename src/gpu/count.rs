@@ -42,8 +42,8 @@ pub(super) struct Counted {
 }
 
 impl Counted {
-    /// Words of a dispatch's counters: two a block, the lower one first, then those of the longest [`Chain`], and two of
-    /// what subgroups issue.
+    /// Words of a dispatch's counters: two a block, the lower one first, those of the longest [`Chain`], and two of what
+    /// subgroups issue.
     pub(super) fn counters(blocks: &[Block]) -> usize {
         2 * blocks.len() + CHAIN + 2
     }

@@ -33,6 +33,11 @@ pub enum Work<'a> {
     },
 }
 
+/// The name of a dispatch: its kernel, and its number among that kernel's.
+pub fn numbered(kernel: &str, number: u32) -> String {
+    format!("{kernel} #{number}")
+}
+
 /// A frame being listed.
 pub struct Recorder {
     device: LogicalDevice,
@@ -40,7 +45,7 @@ pub struct Recorder {
     /// How many parts are timed.
     timed_parts: usize,
     /// How many parts have the name of each kernel and a number.
-    numbered: BTreeMap<String, usize>,
+    numbered: BTreeMap<String, u32>,
 }
 
 impl Recorder {
@@ -67,7 +72,7 @@ impl Recorder {
     pub fn numbered(&mut self, kernel: &str) -> String {
         let number = self.numbered.entry(kernel.to_string()).or_default();
         *number += 1;
-        format!("{kernel} #{number}")
+        numbered(kernel, *number)
     }
 
     /// Lists a dispatch of a kernel; it waits for earlier dispatches that it depends on.

@@ -92,7 +92,6 @@ fn a_frame_is_predicted_for_another_device() {
     let one = format!("profile {SMALL} --as");
     bad(&here, &format!("{one} h100 --transport octree"), 2, &["--as: predicts what a device runs", "found octree"]);
     bad(&here, &format!("{one} h200"), 2, &["--as: no such device", "found h200", "expected h100, navi21"]);
-    bad(&here, &format!("{one} h100 --by dispatch"), 2, &["--as: predicts stages", "expected --by kernel"]);
     bad(&here, &format!("{one} h100 --device cpu"), 2, &["--as: measures a Vulkan device"]);
     bad(&here, &format!("{one} h100 --why"), 2, &["--as", "--why"]);
     bad(&here, &format!("{one} h100 --fail-work 1%"), 2, &["--as", "--fail-work"]);
@@ -144,6 +143,11 @@ fn a_profile_times_each_kernel() {
     let total: u64 = stages.iter().map(|row| row["dispatches"].as_u64().unwrap()).sum();
     assert_eq!(parts.len() as u64, total, "{parts:?}");
     assert!(parts.iter().any(|row| row["stage"] == "transport/blocks/gather/direct #1"), "{parts:?}");
+    for key in ["flops", "instructions", "issued", "shared_words", "bytes_loaded"] {
+        let number = |row: &serde_json::Value| row["work"][key].as_u64().unwrap();
+        let of = |rows: &[serde_json::Value]| rows.iter().map(number).sum::<u64>();
+        assert_eq!((of(&parts), of(&stages)), (of(&kernels), of(&kernels)), "{key}");
+    }
     // The roofline has each kernel that counts floats.
     good(&here, &format!("profile {SMALL} --frames 3 --by kernel --roofline r.svg"));
     let drawing = read(&here, "r.svg");
@@ -172,7 +176,6 @@ fn a_profile_on_the_cpu_has_times_only() {
     let drawn = format!("profile {SMALL} --frames 1 --roofline r.svg");
     let cpu = bad(&here, &format!("{drawn} --device cpu"), 2, &["--roofline: measures a Vulkan device; found the CPU"]);
     assert_eq!(cpu.lines().count(), 1, "{cpu}");
-    bad(&here, &format!("{drawn} --by dispatch"), 2, &["--roofline: what kernels do is not", "found --by dispatch"]);
 }
 
 #[test]

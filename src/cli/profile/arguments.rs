@@ -179,14 +179,6 @@ impl Arguments {
             let fault = refused(key, "nothing is measured").found("two files of --compare");
             return Err(fault.expected("one of them and a scene").into());
         }
-        if self.model.is_some() && self.by == By::Dispatch {
-            let fault = refused("--as", "predicts stages and kernels").found(self.by.option());
-            return Err(fault.expected(By::Kernel.option()).into());
-        }
-        if self.roofline.is_some() && self.by == By::Dispatch {
-            let fault = refused("--roofline", "what kernels do is not counted for each of their dispatches");
-            return Err(fault.found(self.by.option()).expected(By::Kernel.option()).into());
-        }
         let Some(key) = self.gate.idle(self.several(), !self.replace.pairs().is_empty()) else { return Ok(()) };
         let (what, expected) = match key {
             "--fail-work" => ("only kernels that are replaced are counted", "--replace KERNEL=FILE"),

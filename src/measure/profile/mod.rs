@@ -175,9 +175,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
         notes.push("the octree runs on the host".into());
     }
     let mut rows = rows(&mut session, &trace, &samples, settings)?;
-    if device.is_some_and(|device| device.choices().timed == Timed::Dispatches) {
-        notes.push("what kernels do is counted for all dispatches of a kernel together: --by kernel shows it".into());
-    } else if let Some(device) = device {
+    if let Some(device) = device {
         match work::of(scene, &device.counting(), settings, &mut session) {
             Ok(tallies) => rows.iter_mut().for_each(|row| row.work = tallies.get(row.stage.as_str()).copied()),
             Err(error) if error.is_device_fault() => notes.push(format!("what stages do was not counted: {error}")),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{FinerRates, Profile, Rates, Row, Settings, finer_rates};
+use super::{FinerRates, Profile, Rates, Row, Settings, Work, finer_rates};
 use crate::error::Result;
 use crate::gpu::{COUNTERS, Device, STATISTICS};
 use crate::measure::overheads::{Overheads, overheads};
@@ -65,7 +65,13 @@ struct Limits<'a> {
     in_turn: bool,
 }
 
-impl Limits<'_> {
+impl<'a> Limits<'a> {
+    /// Those of a device with these rates.
+    fn of(device: &Device, rates: &'a Rates, finer: &'a FinerRates) -> Self {
+        let (lanes, in_turn) = (device.limits().subgroup_size, device.adapter().kind == "cpu");
+        Self { rates, finer, lanes, in_turn }
+    }
+
     /// What a row's work would take, where idle lanes issue what the others do.
     fn shares(&self, row: &Row) -> Option<Shares> {
         let (rates, finer, work, seconds) = (self.rates, self.finer, row.work?, row.seconds()?);
@@ -234,13 +240,7 @@ pub struct Why {
 pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile) -> Result<Why> {
     let overheads = overheads(device, settings.seed)?;
     let finer = finer_rates(device)?;
-    let in_turn = device.adapter().kind == "cpu";
-    let limits = found.rates.as_ref().zip(finer.as_ref()).map(|(rates, finer)| Limits {
-        rates,
-        finer,
-        lanes: device.limits().subgroup_size,
-        in_turn,
-    });
+    let limits = found.rates.as_ref().zip(finer.as_ref()).map(|(rates, finer)| Limits::of(device, rates, finer));
     let fresh = device.with_statistics()?;
     let mut session = Session::new(scene, Some(&fresh), settings.options)?;
     let first = session.frame(Change::EVERYTHING)?;
@@ -278,7 +278,7 @@ pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile)
             barriers,
             bounds: held.map(|(bounds, _)| bounds),
             model_ms: held.map(|(_, ms)| ms),
-            lanes: row.work.filter(|work| work.issued > 0).map(|work| work.instructions as f64 / work.issued as f64),
+            lanes: row.work.and_then(Work::lanes),
             pipelines: own.len(),
             creation_ms: own.iter().map(|(_, ms, _)| ms).sum(),
             first_run_ms: Some(extra).filter(|ms| ms.is_finite()),
@@ -290,13 +290,6 @@ pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile)
         })
     });
     let stages: Vec<Stage> = stages.collect();
-    let mut lacks = Vec::new();
-    for (extension, what) in [(STATISTICS, "registers and the like of each pipeline"), (COUNTERS, "hardware counters")]
-    {
-        if !device.offers(extension)? {
-            lacks.push(format!("{}: {what}", extension.to_string_lossy()));
-        }
-    }
     Ok(Why {
         frame_ms: FrameParts::of(found.wall.median, &stages, submissions, &overheads),
         overheads_us: overheads,
@@ -304,8 +297,20 @@ pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile)
         submissions,
         stages,
         counters: device.counter_names()?,
-        lacks,
+        lacks: lacks(device)?,
     })
+}
+
+/// Extensions that the driver lacks, and what is missing without them.
+fn lacks(device: &Device) -> Result<Vec<String>> {
+    let mut lacks = Vec::new();
+    for (extension, what) in [(STATISTICS, "registers and the like of each pipeline"), (COUNTERS, "hardware counters")]
+    {
+        if !device.offers(extension)? {
+            lacks.push(format!("{}: {what}", extension.to_string_lossy()));
+        }
+    }
+    Ok(lacks)
 }
 
 /// The parts of a stage's time, and the milliseconds of it that the device's rates explain, with these dispatches and
@@ -335,7 +340,7 @@ impl FrameParts {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Quantiles, Work};
+    use super::super::Quantiles;
     use super::*;
     use crate::gpu::SingleKernel;
     use crate::layout::BUFFER_IDS;

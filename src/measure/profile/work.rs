@@ -8,7 +8,7 @@ use super::agreement::agreement;
 use super::{Settings, result, variant};
 use crate::error::{Error, Result};
 use crate::gpu::count::{Tally, Traffic};
-use crate::gpu::{Device, Timed, Timing};
+use crate::gpu::{Device, Timed, Timing, numbered};
 use crate::layout::{BUFFER_IDS, BufferId};
 use crate::pipeline::frame::owner;
 use crate::pipeline::plan::{Change, Mode};
@@ -79,8 +79,9 @@ pub(super) fn of(
     let Counted { session, tallies, .. } = counted(scene, device, settings, plain)?;
     let bound = bound(&session, settings)?;
     let mut stages: BTreeMap<String, Tally> = BTreeMap::new();
+    let mut named = Rows::of(&session);
     for (kernel, tally) in tallies {
-        if let Some(name) = row_of(&session, &kernel) {
+        if let Some(name) = named.name(&kernel) {
             stages.entry(name).or_default().add(&tally);
         }
     }
@@ -122,6 +123,12 @@ impl Work {
     #[must_use]
     pub fn counts(self) -> Self {
         Self { issued: 0, longest_steps: 0, longest_loads: 0, longest_shared: 0, ..self }
+    }
+
+    /// Invocations of a subgroup that are active, on average over the instructions that it issues.
+    #[must_use]
+    pub fn lanes(self) -> Option<f64> {
+        (self.issued > 0).then(|| self.instructions as f64 / self.issued as f64)
     }
 
     /// What was counted, where so many bytes of each buffer are bound.
@@ -168,24 +175,42 @@ fn same_work(counted: &mut Session, plain: &mut Session) -> Result<()> {
     same.map(drop).map_err(|_| Error::device(doing, "kernels that count give other values than those that don't"))
 }
 
-/// Whether kernels are looked at by themselves, and not by stage.
-fn by_kernel(session: &Session) -> bool {
-    session.device().is_some_and(|device| device.choices().timed == Timed::Kernels)
+/// Names the rows that dispatches count for, in their order.
+pub(super) struct Rows {
+    timed: Timed,
+    /// How many dispatches of each kernel had a name.
+    numbered: BTreeMap<String, u32>,
 }
 
-/// The row of a kernel: itself, or its stage.
-pub(super) fn row_of(session: &Session, kernel: &str) -> Option<String> {
-    let stage = owner(kernel)?;
-    Some(if by_kernel(session) { kernel.to_string() } else { stage.name.to_string() })
+impl Rows {
+    pub(super) fn of(session: &Session) -> Self {
+        let timed = session.device().map_or(Timed::Steps, |device| device.choices().timed);
+        Self { timed, numbered: BTreeMap::new() }
+    }
+
+    /// The row of this kernel's next dispatch: its stage, the kernel or the dispatch itself; none if it is no stage's.
+    pub(super) fn name(&mut self, kernel: &str) -> Option<String> {
+        let stage = owner(kernel)?;
+        Some(match self.timed {
+            Timed::Steps => stage.name.to_string(),
+            Timed::Kernels => kernel.to_string(),
+            Timed::Dispatches => {
+                let number = self.numbered.entry(kernel.to_string()).or_default();
+                *number += 1;
+                numbered(kernel, *number)
+            }
+        })
+    }
 }
 
 /// Bytes of each buffer that a stage binds in a frame, overlapping ranges counted once.
 fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(String, BufferId), u64>> {
     let mut ranges: BTreeMap<(String, BufferId), BTreeSet<[u64; 2]>> = BTreeMap::new();
+    let mut named = Rows::of(session);
     for dispatch in session.dispatches(settings.change)? {
+        let Some(name) = named.name(&dispatch.kernel) else { continue };
         for bound in dispatch.bound(session.state())? {
-            let name = if by_kernel(session) { &dispatch.kernel } else { dispatch.stage };
-            ranges.entry((name.to_string(), bound.slot)).or_default().insert(bound.range);
+            ranges.entry((name.clone(), bound.slot)).or_default().insert(bound.range);
         }
     }
     Ok(ranges.into_iter().map(|(key, ranges)| (key, union(ranges))).collect())
