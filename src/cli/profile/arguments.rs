@@ -39,6 +39,10 @@ pub struct Arguments {
     option_args: OptionArguments,
     #[command(flatten)]
     pub(super) replace: ReplaceArgument,
+    /// Time only this stage, whose kernel is replaced: its dispatches by both kernels in turn within a submission, where
+    /// noise is least.
+    #[arg(long, value_name = "STAGE", requires = "replace", conflicts_with_all = ["compare", "against", "model", "serve"])]
+    pub(super) alternate: Option<String>,
     #[command(flatten)]
     timing: TimingArguments,
     /// Compare with an earlier run, or two of them with each other: files that `--save` wrote.
