@@ -15,7 +15,7 @@ use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::{Choices, Device, Timed};
 use milkglass::measure::profile::Settings;
 use milkglass::measure::profile::file::{SCHEMA, Saved, Subject};
-use milkglass::measure::rounds::{ROUNDS, Samples};
+use milkglass::measure::rounds::{IN_TURN, ROUNDS, Samples};
 
 /// Frames of a profile by default.
 const FRAMES: u32 = 11;
@@ -120,7 +120,11 @@ impl Arguments {
 
     /// What to measure and for how long.
     pub(super) fn settings(&self) -> Settings {
-        let usual = if self.several() { ROUNDS as u32 } else { FRAMES };
+        let usual = match self.several() {
+            _ if self.alternate.is_some() => IN_TURN as u32,
+            true => ROUNDS as u32,
+            false => FRAMES,
+        };
         let TimingArguments { until, seed, .. } = self.timing;
         let frames = self.timing.frames.unwrap_or(if until.is_some() { MOST } else { usual });
         let budget = self.timing.budget.or(until.map(|_| 60.0));

@@ -31,6 +31,8 @@ pub const ROUNDS: usize = 16 * EACH;
 pub const EACH: usize = 8;
 /// The same where both variants' runs alternate in one submission.
 const MOST_IN_TURN: usize = 32;
+/// Rounds of such a comparison by default.
+pub const IN_TURN: usize = STARTS * MOST_IN_TURN;
 /// Fewest starts of a comparison, unless the budget ends it.
 pub const STARTS: usize = 9;
 /// Rounds, or starts, after which the intervals are looked at first.
