@@ -23,12 +23,18 @@ pub(super) struct Counters {
     largest: u32,
     /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain).
     own: [u32; CHAIN],
+    /// Whether the entry point lists all variables that it uses: from version 1.4 on. Before, it lists inputs only.
+    listed: bool,
 }
 
 impl Counters {
     /// Adds the buffer to a module, and the constants up to `most`.
     pub(super) fn declare(out: &mut Edited, module: &Declared<'_>, most: u32) -> Self {
-        let [class, private] = [StorageClass::StorageBuffer, StorageClass::Private].map(|class| class as u32);
+        let (class, block) = match out.version() {
+            0x10300.. => (StorageClass::StorageBuffer, Decoration::Block),
+            _ => (StorageClass::Uniform, Decoration::BufferBlock),
+        };
+        let [class, private] = [class, StorageClass::Private].map(|class| class as u32);
         let mut scalar = |op: Op, parts: &[u32]| {
             module.type_of(op, parts).unwrap_or_else(|| {
                 let id = out.id();
@@ -40,7 +46,7 @@ impl Counters {
         let [array, record, record_pointer, word_pointer, variable] = std::array::from_fn(|_| out.id());
         let own_pointer = out.id();
         out.decorate(array, Decoration::ArrayStride, &[4]);
-        out.decorate(record, Decoration::Block, &[]);
+        out.decorate(record, block, &[]);
         out.decorate_member(record, 0, Decoration::Offset, 0);
         out.decorate(variable, Decoration::DescriptorSet, &[0]);
         out.decorate(variable, Decoration::Binding, &[BINDING]);
@@ -62,13 +68,14 @@ impl Counters {
         out.declare(Op::TypePointer, &[own_pointer, private, uint]);
         let own = std::array::from_fn(|_| out.id());
         own.iter().for_each(|id| out.declare(Op::Variable, &[own_pointer, *id, private, zero]));
-        Self { uint, boolean, word_pointer, variable, zero, largest, own }
+        let listed = out.version() >= 0x10400;
+        Self { uint, boolean, word_pointer, variable, zero, largest, own, listed }
     }
 
     /// Copies an instruction; the entry point lists the variables that it uses.
     pub(super) fn keep(self, out: &mut Edited, instruction: Instruction<'_>) {
         match instruction.op {
-            Some(Op::EntryPoint) => {
+            Some(Op::EntryPoint) if self.listed => {
                 out.put(Op::EntryPoint, &[instruction.operands, &[self.variable], &self.own].concat());
             }
             _ => out.keep(instruction),
