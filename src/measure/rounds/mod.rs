@@ -127,6 +127,10 @@ pub struct Starter<'a> {
     pub start: Box<dyn FnMut() -> Result<Box<dyn Variant + 'a>> + 'a>,
 }
 
+/// Opens two variants and times them in rounds, each of which says which of them comes first and second; returns the
+/// frames of each.
+pub type InTurn<'a> = dyn FnMut(&[[usize; 2]]) -> Result<[Vec<Frame>; 2]> + 'a;
+
 /// How long a comparison is going to take, as its first start shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Forecast {
@@ -228,7 +232,7 @@ impl Rounds {
     }
 
     /// Has two variants opened and timed in rounds of drawn order.
-    fn in_turn(&mut self, start: &mut dyn FnMut(&[[usize; 2]]) -> Result<[Vec<Frame>; 2]>) -> Result<()> {
+    fn in_turn(&mut self, start: &mut InTurn<'_>) -> Result<()> {
         let before = Load::now(&[]);
         let orders: Vec<Vec<usize>> = (0..self.each).map(|_| self.random.order(2)).collect();
         let rounds: Vec<[usize; 2]> = orders.iter().map(|order| [order[0], order[1]]).collect();
@@ -293,13 +297,12 @@ pub fn compare(
     rounds.all(&mut |rounds| rounds.start(starters), told)
 }
 
-/// The same for two variants that `start` opens and times in the rounds that it is given, each of which says which
-/// variant comes first and second. It returns the frames of each variant.
+/// The same for two variants that each start opens and times in the rounds that it is given.
 pub fn alternate(
     names: [&str; 2],
     schedule: &Schedule,
     edited: &str,
-    start: &mut dyn FnMut(&[[usize; 2]]) -> Result<[Vec<Frame>; 2]>,
+    start: &mut InTurn<'_>,
     told: &mut dyn FnMut(&Forecast),
 ) -> Result<Measured> {
     let each = schedule.rounds.div_ceil(STARTS).clamp(1, MOST_IN_TURN);
