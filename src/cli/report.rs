@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Small scenes and few settings: takes minutes.
     #[arg(long)]
     quick: bool,
-    /// Mesh files that tables 4 and 5 of Mertens et al. are measured for, too.
+    /// Mesh files that tables 4 and 5 of Mertens et al. and figure 2 of Kubo et al. are measured for, too.
     meshes: Vec<String>,
     /// Only these sections, or tables and figures of the papers, such as `mertens/table5`, separated by commas
     /// [default: all sections].
@@ -82,10 +82,13 @@ fn inputs(arguments: &Arguments, sections: &[&Section]) -> Result<(Option<Vec<En
             return Err(fault.expected(format!("--only {section}")).into());
         }
     }
-    let measured = has("mertens/table4") || has("mertens/table5") || has("mertens") && !arguments.quick;
+    let some = ["mertens/table4", "mertens/table5", "kubo/figure2"];
+    let measured = some.into_iter().any(has) || (has("mertens") || has("kubo")) && !arguments.quick;
     if let (Some(first), false) = (arguments.meshes.first(), measured) {
         let fault = Input::new("no section measures meshes").found(first);
-        return Err(fault.expected("--only mertens/table4, mertens/table5, or mertens without --quick").into());
+        return Err(fault
+            .expected("--only mertens/table4, mertens/table5, kubo/figure2, or mertens or kubo without --quick")
+            .into());
     }
     // They are read again when they are measured, minutes later.
     arguments.meshes.iter().try_for_each(|path| mesh(path, EXTENT_4).map(drop))?;

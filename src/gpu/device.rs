@@ -140,6 +140,12 @@ impl Device {
         Ok(Self { logical: self.logical.again(self.choices(), &extras)?, kernels: Rc::new(self.kernels.forgetting()) })
     }
 
+    /// The same device with the kernels of the build only, none of which are made so far.
+    #[must_use]
+    pub fn built_in(&self) -> Self {
+        Self { logical: self.logical.clone(), kernels: Rc::default() }
+    }
+
     /// The kernels that do not come from the build.
     pub fn replaced(&self) -> impl Iterator<Item = &str> {
         self.kernels.replaced()

@@ -122,7 +122,7 @@ impl Encoded {
             .iter()
             .filter_map(|entry| match entry {
                 Entry::Dispatch(listed) => Some(listed),
-                Entry::Begin(..) | Entry::End => None,
+                Entry::Begin(..) | Entry::Copy(_) | Entry::End => None,
             })
             .collect();
         self.sets.prepare(&dispatches)?;
@@ -156,6 +156,7 @@ impl Encoded {
                         self.end_step(apart && part < parts)?;
                     }
                 }
+                Entry::Copy(ranges) => self.copy(ranges),
                 Entry::Dispatch(listed) => {
                     if let Some(wait) = &waits[index] {
                         self.wait(wait);
@@ -283,7 +284,7 @@ fn inner_parts(list: &[Entry]) -> usize {
         match entry {
             Entry::Begin(..) => (open, count) = (open + 1, count + 1),
             Entry::End => open -= 1,
-            Entry::Dispatch(_) => {}
+            Entry::Dispatch(_) | Entry::Copy(_) => {}
         }
         if open == 0 {
             break;

@@ -80,6 +80,8 @@ pub(super) enum Entry {
     Begin(String, Place),
     /// A dispatch.
     Dispatch(Listed),
+    /// Bytes are copied from the first to the second, as many as that has.
+    Copy([BoundRange; 2]),
     /// A part ends.
     End,
 }

@@ -14,6 +14,7 @@ use super::kernel::{Kernel, Meter};
 use super::list::{BoundRange, Entry, Groups, Listed, Place, Timing};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
+use super::transfer::BufferRange;
 use crate::error::{Error, Result};
 use crate::layout::GROUP_SIZE;
 
@@ -144,17 +145,27 @@ impl Recorder {
         Ok(())
     }
 
+    /// Lists a copy of all bytes of a range to the beginning of a buffer, or with `back` from there; it waits for all
+    /// before it, and all after it wait for it.
+    pub fn copy(&mut self, from: BufferRange<'_>, to: &Buffer, back: bool) {
+        let mut ranges = [range(from.buffer, from.offset, from.size), range(to, 0, from.size)];
+        if back {
+            ranges.reverse();
+        }
+        self.list.push(Entry::Copy(ranges));
+    }
+
     /// Submits the frame, waits for it, and returns the time of each part on the device.
     pub fn submit(self) -> Result<Vec<Timing>> {
         first_use::compile(&self.device, &self.list);
         Encoded::new(&self.device, self.list, self.timed_parts, Vec::new())?.run()
     }
 
-    /// Whether a frame that takes long is cut into several submissions: not on a processor, which has no display.
+    /// Whether a frame that takes long is cut into several submissions.
     fn cuts(&self) -> bool {
         let choices = self.device.choices();
         let whole = matches!(choices.submissions, Submissions::Reused | Submissions::Frame);
-        whole && choices.queues == Queues::One && self.device.adapter().kind != "cpu"
+        whole && choices.queues == Queues::One && self.device.shows().is_some()
     }
 
     /// The same, by the kept recording of an equal frame, if there is one; in several submissions if that takes long.

@@ -9,7 +9,7 @@ use std::path::Path;
 use super::choices::Optimization;
 use super::extras::needed;
 use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
-use super::spirv_module::{MAGIC, whole};
+use super::spirv_module::{MAGIC, entry_points, whole};
 use crate::error::{Error, Input, Result};
 use crate::layout::{BUFFER_IDS, declarations};
 use adapt::adapted;
@@ -183,7 +183,13 @@ fn module(file: &Path, bytes: &[u8]) -> Result<Vec<u32>> {
             .expected("what compilers write")
             .into());
     }
-    Ok(words)
+    match entry_points(&words).as_slice() {
+        [only] if only == "main" => Ok(words),
+        names => {
+            let found = if names.is_empty() { "none".into() } else { names.join(", ") };
+            Err(Input::new("its entry points").file(file).found(found).expected("a single one, main").into())
+        }
+    }
 }
 
 /// Compiles a kernel, or the kernel of the program that is named first with `text` in place of the file that is named

@@ -8,6 +8,8 @@ use spirq::spirv::{Capability, Decoration, ExecutionMode, Op, StorageClass};
 pub(super) const MAGIC: u32 = 0x0723_0203;
 /// Words of a module's header.
 const HEADER_WORDS: usize = 5;
+/// The word of the header that holds the version.
+const VERSION: usize = 1;
 /// The word of the header that holds the bound: every id of the module is smaller.
 const BOUND: usize = 3;
 
@@ -41,6 +43,18 @@ pub(super) fn whole(module: &[u32]) -> bool {
         at += (first >> 16).max(1) as usize;
     }
     at == module.len() && at > HEADER_WORDS
+}
+
+/// The names of a module's entry points.
+pub(super) fn entry_points(module: &[u32]) -> Vec<String> {
+    let name = |instruction: Instruction<'_>| match (instruction.op, instruction.operands) {
+        (Some(Op::EntryPoint), [_, _, words @ ..]) => {
+            let bytes = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0);
+            Some(String::from_utf8_lossy(&bytes.collect::<Vec<_>>()).into_owned())
+        }
+        _ => None,
+    };
+    instructions(module).filter_map(name).collect()
 }
 
 /// What a module declares. Keys are ids.
@@ -137,6 +151,11 @@ impl Edited {
         Some(Self { words, decorations: Vec::new(), declarations: Vec::new() })
     }
 
+    /// The version of SPIR-V: 0x10300 is 1.3.
+    pub(super) fn version(&self) -> u32 {
+        self.words[VERSION]
+    }
+
     /// An id that is not in use.
     pub(super) fn id(&mut self) -> u32 {
         self.words[BOUND] += 1;
@@ -197,6 +216,7 @@ fn append(module: &mut Vec<u32>, op: Op, operands: &[u32]) {
 #[cfg(test)]
 pub(super) fn module_of(list: &[(Op, &[u32])]) -> Vec<u32> {
     let mut module = vec![0; HEADER_WORDS];
+    module[VERSION] = 0x10500;
     list.iter().for_each(|(op, operands)| append(&mut module, *op, operands));
     module
 }
@@ -211,13 +231,19 @@ pub(super) fn edited(module: &[u32], mut edit: impl FnMut(&mut Edited, Instructi
 }
 
 /// The module with a request that additions, multiplications and the like of 32-bit floats round to nearest: a
-/// capability after the header, and an execution mode before the first one. A module without execution modes, which no
-/// compute kernel is, stays as it is.
+/// capability after the header, before version 1.4 an extension, and an execution mode before the first one. A module
+/// without execution modes, which no compute kernel is, stays as it is.
 pub(super) fn round_to_nearest(module: Vec<u32>) -> Vec<u32> {
     let (entry, mut begun, mut requested) = (Declared::of(&module).entry, false, false);
+    let mut extended = module.get(VERSION).is_some_and(|version| *version >= 0x10400);
     let rounding = edited(&module, |out, instruction| {
         if !begun {
             out.put(Op::Capability, &[Capability::RoundingModeRTE as u32]);
+        }
+        if !extended && instruction.op != Some(Op::Capability) {
+            let name = b"SPV_KHR_float_controls\0\0".as_chunks::<4>().0;
+            out.put(Op::Extension, &name.iter().map(|four| u32::from_le_bytes(*four)).collect::<Vec<_>>());
+            extended = true;
         }
         if instruction.op == Some(Op::ExecutionMode) && !requested {
             out.put(Op::ExecutionMode, &[entry, ExecutionMode::RoundingModeRTE as u32, 32]);

@@ -1,5 +1,5 @@
 //! Cost and error of shading by curvature compared with Lambert's cosine, and the results of its paper: table 1 and
-//! figures 1, 4, 7, 9 and 11 of Kubo et al. 2010 as rows and scenes. Figure 6 is in [`crate::measure::balls`], the
+//! figures 1, 2, 4, 7, 9 and 11 of Kubo et al. 2010 as rows and scenes. Figure 6 is in [`crate::measure::balls`], the
 //! limits of the method in [`crate::measure::validity`].
 
 use crate::error::{Error, Input, Result};
@@ -135,19 +135,48 @@ fn picture(scene: &Scene, device: Option<&Device>, options: Options) -> Result<V
 /// do.
 fn error(session: &mut Session, other: &[[f32; 3]]) -> Result<f64> {
     let own = session.picture()?.pixels;
+    let seen = shown(session)?;
+    let (mut apart, mut whole) = (0.0, 0.0);
+    for ((own, other), _) in own.iter().zip(other).zip(&seen).filter(|(_, seen)| **seen) {
+        apart += (wide(*own) - wide(*other)).length_squared();
+        whole += wide(*other).length_squared();
+    }
+    Ok(if whole > 0.0 { (apart / whole).sqrt() } else { 0.0 })
+}
+
+/// How much of a picture is small detail: the root mean square of what a pixel has beyond the mean of the square of
+/// `2 reach + 1` pixels about it, over the mean pixel; of the squares that show translucent objects only. Sums of
+/// channels; 0 if there is no such square.
+pub fn detail(session: &mut Session, reach: usize) -> Result<f64> {
+    let picture = session.picture()?;
+    let shows = shown(session)?;
+    let light: Vec<f64> = picture.pixels.iter().map(|pixel| pixel.iter().map(|x| f64::from(*x)).sum()).collect();
+    let (mut apart, mut whole, mut count) = (0.0, 0.0, 0.0);
+    for y in reach..picture.height.saturating_sub(reach) {
+        for x in reach..picture.width.saturating_sub(reach) {
+            let rows = y - reach..=y + reach;
+            let near = || rows.clone().flat_map(|y| (x - reach..=x + reach).map(move |x| y * picture.width + x));
+            if near().all(|at| shows[at]) {
+                let middle = light[y * picture.width + x];
+                let mean = near().map(|at| light[at]).sum::<f64>() / (2 * reach + 1).pow(2) as f64;
+                apart += (middle - mean).powi(2);
+                whole += middle;
+                count += 1.0;
+            }
+        }
+    }
+    Ok(if whole > 0.0 { (apart * count).sqrt() / whole } else { 0.0 })
+}
+
+/// Which pixels show translucent objects.
+fn shown(session: &mut Session) -> Result<Vec<bool>> {
     session.fetch(&[BufferId::hits])?;
     let state = session.state();
     let shows = |face: u32| {
         let known = (face as usize) < state.data.triangles.len();
         known && !state.objects[state.object_of(face as usize)].opaque
     };
-    let seen = state.data.hits.iter().map(|hit| shows(hit.face));
-    let (mut apart, mut whole) = (0.0, 0.0);
-    for ((own, other), _) in own.iter().zip(other).zip(seen).filter(|(_, seen)| *seen) {
-        apart += (wide(*own) - wide(*other)).length_squared();
-        whole += wide(*other).length_squared();
-    }
-    Ok(if whole > 0.0 { (apart / whole).sqrt() } else { 0.0 })
+    Ok(state.data.hits.iter().map(|hit| shows(hit.face)).collect())
 }
 
 /// Cost of curvature when the shape changes in every frame.

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::run::Session;
 use crate::error::Result;
-use crate::gpu::Timing;
+use crate::gpu::{Kernels, Timing};
 use crate::layout::BUFFER_IDS;
 use crate::pipeline::frame::precedes_transport;
 use crate::pipeline::plan::{Change, Changes};
@@ -30,6 +30,33 @@ impl Session {
             times.push(Timing { name: step.stage.name.to_string(), milliseconds, start, ..Timing::default() });
         }
         Ok(times)
+    }
+
+    /// Runs the steps of a frame after this change as [`Self::apart`] does, those of one stage in these rounds, by the
+    /// session's kernels and `others` in turn: see [`DeviceState::alternate`]. Returns the times of each run, one for
+    /// each step; none where the stage does not run, or runs on the host.
+    ///
+    /// [`DeviceState::alternate`]: crate::state::DeviceState::alternate
+    pub fn alternate(
+        &mut self,
+        changes: impl Into<Changes>,
+        stage: &str,
+        others: &mut Kernels,
+        rounds: &[[bool; 2]],
+    ) -> Result<Vec<Vec<Timing>>> {
+        let mut runs = vec![Vec::new(); 2 * rounds.len()];
+        let steps = self.steps_taken(changes);
+        for part in steps.chunk_by(|one, next| (one.stage.name == stage) == (next.stage.name == stage)) {
+            let Some(gpu) = self.gpu.as_mut().filter(|_| part[0].stage.name == stage) else {
+                self.run(part)?;
+                continue;
+            };
+            for step in part {
+                let times = gpu.alternate(&self.prepared.state, *step, others, rounds)?;
+                runs.iter_mut().zip(times).for_each(|(run, time)| run.push(time));
+            }
+        }
+        Ok(runs)
     }
 
     /// The dispatches of a frame after this change; on the CPU, those of a GPU.

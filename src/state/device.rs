@@ -19,7 +19,7 @@ const GUARD_BYTE: u8 = 0xA5;
 /// The buffers and kernels of one device.
 pub struct DeviceState {
     device: Device,
-    kernels: Kernels,
+    pub(super) kernels: Kernels,
     buffers: BTreeMap<BufferId, Buffer>,
     /// Bound where a kernel names a buffer that has no elements in this scene.
     nothing: Box<Buffer>,

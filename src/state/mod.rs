@@ -1,5 +1,6 @@
 //! What a frame works on ([`State`]), what a [`Stage`] is, and the state's copy on a device.
 
+mod alternate;
 mod carrier;
 mod change;
 mod device;

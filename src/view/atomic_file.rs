@@ -162,6 +162,9 @@ fn beside(path: &Path) -> Part {
     Part::new(path.with_file_name(format!(".{:016x}.{}-{number}.part", name.finish(), std::process::id())))
 }
 
+/// The argument of a file that grows where it is, also in a folder where no other can be made.
+const APPENDED: &str = "--history";
+
 /// An error if one of these files could not be written, or is the same as another, before there is work to lose. Each
 /// path comes with the argument that names it.
 pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>) -> Result<()> {
@@ -169,7 +172,11 @@ pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>
     for (key, path) in paths.into_iter().filter_map(|(key, path)| Some((key, path?))) {
         let Some(place) = target(path).map_err(|what| unwritten(path, &what))? else { continue };
         let part = beside(&place);
-        std::fs::write(part.path(), "").map_err(|error| unwritten(path, &error.to_string()))?;
+        let written = match key == APPENDED && place.is_file() {
+            true => std::fs::OpenOptions::new().append(true).open(&place).map(drop),
+            false => std::fs::write(part.path(), ""),
+        };
+        written.map_err(|error| unwritten(path, &error.to_string()))?;
         // The folder exists; an empty name is the current one.
         let folder = part.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_default();

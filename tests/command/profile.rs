@@ -113,6 +113,49 @@ fn a_kernel_of_the_users_own_is_predicted_beside_the_built_in_one() {
     bad(&here, &line.replace("--as h100 ", ""), 2, &words);
 }
 
+#[cfg(feature = "shaderc")]
+#[test]
+fn a_stage_in_turn_runs_in_the_frame_and_is_replaced() {
+    let here = folder(&[]);
+    let (source, _) = good(&here, "shader transport/blocks/gather/edge");
+    std::fs::write(here.path().join("same.comp"), &source).unwrap();
+    let line = format!("profile {SMALL} --alternate gather --replace transport/blocks/gather/edge=same.comp");
+    let words = ["--alternate: no kernel of this stage is replaced", "found link", "expected gather"];
+    bad(&here, &line.replace("--alternate gather", "--alternate link"), 2, &words);
+    let words = ["--alternate: a frame does not run this stage", "found gather", "expected shade, visibility"];
+    bad(&here, &format!("{line} --change view"), 2, &words);
+    bad(&here, &format!("profile {SMALL} --alternate gather"), 2, &["--replace <KERNEL=FILE>"]);
+    bad(&here, &format!("{line} --as h100"), 2, &["--alternate", "--as"]);
+}
+
+#[cfg(feature = "shaderc")]
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn a_stage_is_timed_by_both_kernels_in_turn() {
+    let here = folder(&[]);
+    let (source, _) = good(&here, "shader transport/blocks/gather/edge");
+    std::fs::write(here.path().join("same.comp"), &source).unwrap();
+    // Each triangle is added once more, by a number that no compiler knows, and that sum is dropped.
+    let again = "void add(uint k) {\n    vec3 s = sum;\n    once(k + uint(s.x < -1.0));\n    \
+                 sum = mix(s, sum, lessThan(sum, vec3(-1)));\n    once(k);\n}\n\nvoid main";
+    let more = source.replacen("void add(", "void once(", 1).replacen("void main", again, 1);
+    std::fs::write(here.path().join("more.comp"), more).unwrap();
+    let line = format!("profile {SMALL} --frames 27 --alternate gather --replace transport/blocks/gather/edge=");
+    let (out, err) = good(&here, &format!("{line}same.comp --fail-slower 50% --junit a.xml --json a.json"));
+    for words in
+        ["27 rounds in 9 starts", "gather (replaced)", "its interval holds with 95 %", "gather: the same: flop"]
+    {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    assert!(!out.contains("all other rows") && err.contains("9 starts of 3 rounds"), "{out}{err}");
+    let json: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
+    let rows = json["comparison"][0]["rows"].as_array().unwrap();
+    assert!(rows.len() == 1 && rows[0]["what"] == "gather" && rows[0]["missing_rounds"] == 0, "{rows:?}");
+    assert!(read(&here, "a.xml").contains("tests=\"1\""), "{}", read(&here, "a.xml"));
+    let words = ["gather is at least", "slower; --fail-slower allows 5 %"];
+    bad(&here, &format!("{line}more.comp --fail-slower 5%"), 1, &words);
+}
+
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_profile_times_each_kernel() {

@@ -145,6 +145,33 @@ fn no_line_is_appended_to_another_file() {
 
 #[cfg(unix)]
 #[test]
+fn a_line_is_appended_in_a_folder_that_takes_no_file() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    use std::os::unix::process::CommandExt;
+    let here = folder(&[("h.jsonl", "")]);
+    let mode = |path: &std::path::Path, mode| {
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).unwrap();
+    };
+    mode(&here.path().join("h.jsonl"), 0o666);
+    mode(here.path(), 0o555);
+    let line =
+        "profile sphere --set object.0.detail=0 --set camera.size=[8,8] --device cpu --frames 1 --history h.jsonl";
+    let mut command = program(&here, line);
+    // To the superuser permissions mean nothing.
+    if here.path().metadata().unwrap().uid() == 0 {
+        command.uid(65534);
+    }
+    let output = match command.output() {
+        Ok(output) => output,
+        Err(error) => return println!("waived: another user can't run the program: {error}"),
+    };
+    mode(here.path(), 0o755);
+    assert!(output.status.success(), "{:?}", said(&output));
+    assert_eq!(read(&here, "h.jsonl").lines().count(), 1);
+}
+
+#[cfg(unix)]
+#[test]
 fn a_line_that_does_not_fit_is_taken_back() {
     let here = folder(&[]);
     let line =

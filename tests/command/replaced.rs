@@ -272,6 +272,11 @@ fn an_oracle_is_replaced_wherever_it_is_included() {
     bad(&here, &twice, 2, &["replaced twice", "found transport/links/refine/count"]);
     std::fs::write(here.path().join("a.spv"), [0; 8]).unwrap();
     bad(&here, &format!("{sweep}a.spv"), 2, &["is a part of kernels", "found SPIR-V"]);
+    // A header and an entry point, `one`.
+    let words = [0x0723_0203, 0x1_0300, 0, 9, 0, 4 << 16 | 15, 5, 1, u32::from_le_bytes(*b"one\0")];
+    std::fs::write(here.path().join("b.spv"), words.map(u32::to_le_bytes).concat()).unwrap();
+    let words = ["b.spv: its entry points", "found one", "expected a single one, main"];
+    bad(&here, &format!("conform a.toml --replace {KERNEL}=b.spv"), 2, &words);
 }
 
 /// The edge form is in kernels of several methods, and only that of blocks has its nodes as a constant.

@@ -133,6 +133,25 @@ fn a_table_or_figure_comes_by_its_name() {
 }
 
 #[test]
+fn figure_2_of_kubo_comes_for_a_mesh_too() {
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+    let here = folder(&[("one.obj", &format!("{corners}f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"))]);
+    good(&here, "report one.obj -o r --quick --only kubo/figure2");
+    let page = read(&here, "r/index.html");
+    assert_eq!(values(&page, "src").len(), 4);
+    assert!(
+        page.contains("sphere: scattering hides small bumps") && page.contains("with scattering (dipole)"),
+        "{page}"
+    );
+    let csv = read(&here, "r/kubo-figure-2.csv");
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert!(rows.len() == 3 && rows[2][0] == "one.obj", "{csv}");
+    // Bumps stay visible by the cosine, and more than half of them goes by the dipole.
+    let [cosine, dipole] = [1, 2].map(|k: usize| rows[1][k].parse::<f64>().unwrap());
+    assert!(cosine > 0.05 && dipole < 0.5 * cosine && dipole > 0.0, "{csv}");
+}
+
+#[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn tables_of_mertens_come_for_a_mesh_too() {
     let here = folder(&[("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")]);

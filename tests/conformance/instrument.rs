@@ -19,11 +19,36 @@ static CHAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-ch
 
 #[test]
 fn kernels_count_what_they_do() {
+    counts_by_hand(COUNT);
+}
+
+/// Buffers are uniform ones before SPIR-V 1.3, and entry points list inputs only before 1.4.
+#[cfg(feature = "shaderc")]
+#[test]
+fn kernels_of_older_versions_count_the_same() {
+    use milkglass::internals::gpu::source;
+    use shaderc::{CompileOptions, Compiler, EnvVersion, ResolvedInclude, ShaderKind, TargetEnv};
+    for (target, version) in [(EnvVersion::Vulkan1_0, 0x10000), (EnvVersion::Vulkan1_1, 0x10300)] {
+        let mut options = CompileOptions::new().unwrap();
+        options.set_target_env(TargetEnv::Vulkan, target as u32);
+        options.set_include_callback(|name, _, _, _| {
+            let content = source(name).ok_or("unknown")?.into_owned();
+            Ok(ResolvedInclude { resolved_name: name.into(), content })
+        });
+        let text = include_str!("../kernels/count.comp");
+        let made = Compiler::new().unwrap();
+        let made = made.compile_into_spirv(text, ShaderKind::Compute, "count.comp", "main", Some(&options)).unwrap();
+        assert_eq!(made.as_binary()[1], version);
+        counts_by_hand(made.as_binary_u8());
+    }
+}
+
+fn counts_by_hand(spirv: &[u8]) {
     on_devices(|device| {
         for (elements, rounds) in [(1000u64, 10u64), (64, 1), (1, 0)] {
             let size: Vec<u8> = [elements, rounds].iter().flat_map(|&n| (n as u32).to_ne_bytes()).collect();
             let mut buffers = [size, 1f32.to_ne_bytes().repeat(elements as usize)];
-            let alone = SingleKernel { name: "count", spirv: COUNT, constants: &[] };
+            let alone = SingleKernel { name: "count", spirv, constants: &[] };
             let tally = alone.tally(device, &mut buffers, elements).unwrap().unwrap();
             let all = elements.next_multiple_of(64);
             assert_eq!(tally.invocations, all, "{}", device.name());

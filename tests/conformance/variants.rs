@@ -3,8 +3,10 @@
 
 use std::collections::BTreeSet;
 
-use milkglass::internals::gpu::{AXES, Choices, Device};
+use milkglass::internals::gpu::{AXES, Choices, Device, Kernels};
+use milkglass::internals::layout::BUFFER_IDS;
 use milkglass::internals::pipeline::frame::STAGES;
+use milkglass::internals::state::DeviceState;
 use milkglass::measure::fixtures::{Fixture, made};
 use milkglass::measure::vary::{Computed, Proof, Variant, asked, computed_steps, lack, proof};
 
@@ -77,6 +79,50 @@ fn compare(fixtures: &[&Fixture], parts: usize) {
         println!("{}: {ran} of {} variants; it lacks something for the others", device.name(), variants.len());
         assert!(ran >= 20, "{}: {ran} of {}", device.name(), variants.len());
     });
+}
+
+/// What is left of fixtures whose steps run in turn by two sets of kernels: in each buffer what a frame leaves.
+fn in_turn(fixtures: &[Fixture]) {
+    on_devices(|device| {
+        let device = cleared(device, &Choices::default());
+        for fixture in fixtures {
+            let left = |alternates: bool| {
+                let mut state = fixture.state.clone();
+                let mut copy = DeviceState::new(&device, false).unwrap();
+                copy.upload(&state, BUFFER_IDS).unwrap();
+                for step in &fixture.steps {
+                    if !alternates {
+                        copy.run(&state, &[*step]).unwrap();
+                        continue;
+                    }
+                    let mut others = Kernels::new(&device);
+                    let rounds = [[false, true], [true, false]];
+                    let times = copy.alternate(&state, *step, &mut others, &rounds).unwrap();
+                    assert!(times.len() == 4 && times.iter().all(|time| time.name == step.stage.name), "{times:?}");
+                    assert!(times.iter().all(|time| time.dispatches == times[0].dispatches), "{times:?}");
+                }
+                copy.download(&mut state, BUFFER_IDS).unwrap();
+                state
+            };
+            let (once, four_times) = (left(false), left(true));
+            for id in BUFFER_IDS {
+                let same = once.data.bytes(*id) == four_times.data.bytes(*id);
+                assert!(same, "{}: {}: {}", device.name(), fixture.name, id.spec().name);
+            }
+        }
+    });
+}
+
+#[test]
+fn steps_in_turn_find_the_same_state() {
+    // Whose steps add to pictures.
+    in_turn(&made(|name| name == SOME[3]).unwrap());
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn steps_of_all_kinds_in_turn_find_the_same_state() {
+    in_turn(&some());
 }
 
 #[test]

@@ -15,7 +15,7 @@ use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::{Choices, Device, Timed};
 use milkglass::measure::profile::Settings;
 use milkglass::measure::profile::file::{SCHEMA, Saved, Subject};
-use milkglass::measure::rounds::{ROUNDS, Samples};
+use milkglass::measure::rounds::{IN_TURN, ROUNDS, Samples};
 
 /// Frames of a profile by default.
 const FRAMES: u32 = 11;
@@ -39,6 +39,10 @@ pub struct Arguments {
     option_args: OptionArguments,
     #[command(flatten)]
     pub(super) replace: ReplaceArgument,
+    /// Time only this stage, whose kernel is replaced: its dispatches by both kernels in turn within a submission, where
+    /// noise is least.
+    #[arg(long, value_name = "STAGE", requires = "replace", conflicts_with_all = ["compare", "against", "model", "serve"])]
+    pub(super) alternate: Option<String>,
     #[command(flatten)]
     timing: TimingArguments,
     /// Compare with an earlier run, or two of them with each other: files that `--save` wrote.
@@ -116,7 +120,11 @@ impl Arguments {
 
     /// What to measure and for how long.
     pub(super) fn settings(&self) -> Settings {
-        let usual = if self.several() { ROUNDS as u32 } else { FRAMES };
+        let usual = match self.several() {
+            _ if self.alternate.is_some() => IN_TURN as u32,
+            true => ROUNDS as u32,
+            false => FRAMES,
+        };
         let TimingArguments { until, seed, .. } = self.timing;
         let frames = self.timing.frames.unwrap_or(if until.is_some() { MOST } else { usual });
         let budget = self.timing.budget.or(until.map(|_| 60.0));

@@ -20,6 +20,7 @@ pub(super) fn forecast(found: &Forecast, settings: &Settings) -> String {
     };
     text += &match edited {
         0 => format!("; a verdict takes {others} starts"),
+        _ if others == 0 => format!("; a verdict takes {edited} starts"),
         _ => format!("; a verdict takes {edited} starts for the replaced stages, {others} for all other rows"),
     };
     // The first start that ends beyond the budget is the last.
@@ -125,6 +126,7 @@ fn per_round(samples: &Samples) -> f64 {
 fn meaning(ratio: &str, edited: usize, others: usize) -> String {
     let families = match edited {
         0 => format!("the intervals of all {others} ratios hold together with 95 %"),
+        1 if others == 0 => "its interval holds with 95 %".into(),
         1 => format!(
             "the interval of the replaced stage holds with 95 %, and so do those of the {others} other rows together"
         ),
@@ -158,6 +160,9 @@ fn rows_told(names: [&str; 2], rows: &[Ratio], edited: &[String], seconds: f64) 
         text += &format!("{against}, {stage}: {shown}\n");
     }
     let others: Vec<&Ratio> = rows.iter().filter(|row| !edited.contains(&row.what)).collect();
+    if others.is_empty() {
+        return text;
+    }
     let which = if edited.is_empty() { "" } else { ", all other rows" };
     text + &format!("{against}{which}: {}\n", verdict(&others, seconds))
 }

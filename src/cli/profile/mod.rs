@@ -31,7 +31,9 @@ use milkglass::measure::profile::file::{Saved, Subject, read};
 use milkglass::measure::profile::history::{self, Entry};
 use milkglass::measure::profile::roofline;
 use milkglass::measure::profile::why::why;
-use milkglass::measure::profile::{Model, Open, Profile, Settings, against, agreement, profile, result, variant, work};
+use milkglass::measure::profile::{
+    Model, Open, Profile, Settings, against, agreement, alternate, profile, result, variant, work,
+};
 use milkglass::measure::replace::stages;
 use milkglass::measure::results::system;
 use milkglass::measure::rounds::{Forecast, Measured, Samples, Starter, compare};
@@ -140,7 +142,20 @@ fn replacement(
     let with_own = || built_in()?.map(|device| replaced(&device, &kernels)).transpose();
     let devices: [(&str, Open<'_>); 2] = [("built-in", &built_in), ("replaced", &with_own)];
     let edited = stages(after);
-    let found = against(scene, &devices, settings, &edited, &mut foretold(settings))?;
+    let found = match &arguments.alternate {
+        Some(stage) if edited.contains(stage) => {
+            let both = || {
+                let with_own = with_own()?.ok_or_else(|| Error::device("opening it once more", "it is gone"))?;
+                Ok([with_own.built_in(), with_own])
+            };
+            alternate(scene, &both, stage, settings, &mut foretold(settings))?
+        }
+        Some(stage) => {
+            let fault = Input::new("no kernel of this stage is replaced").key("--alternate").found(stage);
+            return Err(fault.expected(edited.join(", ")).into());
+        }
+        None => against(scene, &devices, settings, &edited, &mut foretold(settings))?,
+    };
     let mut comparison = compared(arguments, &found.samples, settings)?;
     if let (Some(before), Some(rows)) = (before, comparison.json.get_mut(0)) {
         let (counts, held) = works(arguments, scene, [before, after], &edited)?;

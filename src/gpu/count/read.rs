@@ -56,6 +56,8 @@ impl<'a> Module<'a> {
     /// Reads a module.
     pub(super) fn of(words: &'a [u32]) -> Self {
         const STORAGE_BUFFER: u32 = StorageClass::StorageBuffer as u32;
+        // Where buffers are before version 1.3.
+        const UNIFORM: u32 = StorageClass::Uniform as u32;
         const WORKGROUP: u32 = StorageClass::Workgroup as u32;
         let declared = Declared::of(words);
         let (mut values, mut pointers, mut shared) = (BTreeMap::new(), BTreeMap::new(), BTreeSet::new());
@@ -63,7 +65,7 @@ impl<'a> Module<'a> {
         for Instruction { op, operands, .. } in instructions(words) {
             match (op, operands) {
                 (Some(Op::ExtInstImport), [id, ..]) => glsl = *id,
-                (Some(Op::Variable), [_, id, STORAGE_BUFFER, ..]) => {
+                (Some(Op::Variable), [_, id, STORAGE_BUFFER | UNIFORM, ..]) => {
                     pointers.extend(declared.decoration(*id, Decoration::Binding).map(|binding| (*id, binding)));
                 }
                 (Some(Op::Variable), [_, id, WORKGROUP, ..]) => drop(shared.insert(*id)),

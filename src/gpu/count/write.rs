@@ -22,14 +22,20 @@ pub(super) struct Counters {
     /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain), and
     /// what its subgroup has issued where it was elected.
     own: [u32; CHAIN + 1],
-    /// Whether the module has what [`Op::GroupNonUniformElect`] needs.
-    elects: bool,
+    /// Whether the module has [`Op::GroupNonUniformElect`], of version 1.3 and later, and its own capability of it.
+    elects: [bool; 2],
+    /// Whether the entry point lists all variables that it uses: from version 1.4 on. Before, it lists inputs only.
+    listed: bool,
 }
 
 impl Counters {
     /// Adds the buffer to a module, and the constants up to `most`.
     pub(super) fn declare(out: &mut Edited, module: &Declared<'_>, most: u32) -> Self {
-        let [class, private] = [StorageClass::StorageBuffer, StorageClass::Private].map(|class| class as u32);
+        let (class, block) = match out.version() {
+            0x10300.. => (StorageClass::StorageBuffer, Decoration::Block),
+            _ => (StorageClass::Uniform, Decoration::BufferBlock),
+        };
+        let [class, private] = [class, StorageClass::Private].map(|class| class as u32);
         let mut scalar = |op: Op, parts: &[u32]| {
             module.type_of(op, parts).unwrap_or_else(|| {
                 let id = out.id();
@@ -41,7 +47,7 @@ impl Counters {
         let [array, record, record_pointer, word_pointer, variable] = std::array::from_fn(|_| out.id());
         let own_pointer = out.id();
         out.decorate(array, Decoration::ArrayStride, &[4]);
-        out.decorate(record, Decoration::Block, &[]);
+        out.decorate(record, block, &[]);
         out.decorate_member(record, 0, Decoration::Offset, 0);
         out.decorate(variable, Decoration::DescriptorSet, &[0]);
         out.decorate(variable, Decoration::Binding, &[BINDING]);
@@ -62,15 +68,15 @@ impl Counters {
         out.declare(Op::TypePointer, &[own_pointer, private, uint]);
         let own = std::array::from_fn(|_| out.id());
         own.iter().for_each(|id| out.declare(Op::Variable, &[own_pointer, *id, private, zero]));
-        let elects = module.capabilities.contains(&(Capability::GroupNonUniform as u32));
-        Self { uint, boolean, word_pointer, variable, zero, own, elects }
+        let (version, subgroups) = (out.version(), Capability::GroupNonUniform as u32);
+        let elects = [version >= 0x10300, module.capabilities.contains(&subgroups)];
+        Self { uint, boolean, word_pointer, variable, zero, own, elects, listed: version >= 0x10400 }
     }
 
     /// Asks for what counting by subgroup needs, after the module's own capability of shaders.
     pub(super) fn elect(self, out: &mut Edited, instruction: Instruction<'_>) {
-        if !self.elects
-            && (instruction.op, instruction.operands) == (Some(Op::Capability), &[Capability::Shader as u32])
-        {
+        let shader = (instruction.op, instruction.operands) == (Some(Op::Capability), &[Capability::Shader as u32]);
+        if shader && self.elects == [true, false] {
             out.put(Op::Capability, &[Capability::GroupNonUniform as u32]);
         }
     }
@@ -78,7 +84,7 @@ impl Counters {
     /// Copies an instruction; the entry point lists the variables that it uses.
     pub(super) fn keep(self, out: &mut Edited, instruction: Instruction<'_>) {
         match instruction.op {
-            Some(Op::EntryPoint) => {
+            Some(Op::EntryPoint) if self.listed => {
                 out.put(Op::EntryPoint, &[instruction.operands, &[self.variable], &self.own].concat());
             }
             _ => out.keep(instruction),
@@ -98,6 +104,9 @@ impl Counters {
     /// The subgroup issues so many instructions.
     pub(super) fn issue(self, out: &mut Edited, instructions: u32) {
         let Self { uint, boolean, zero, own, .. } = self;
+        if !self.elects[0] {
+            return;
+        }
         let [elected, once, before, after] = std::array::from_fn(|_| out.id());
         out.put(Op::GroupNonUniformElect, &[boolean, elected, zero + Scope::Subgroup as u32]);
         out.put(Op::Select, &[uint, once, elected, zero + instructions, zero]);

@@ -6,6 +6,7 @@ use super::Encoded;
 use crate::error::Result;
 use crate::gpu::call::vk_call;
 use crate::gpu::choices::Barriers;
+use crate::gpu::list::BoundRange;
 use crate::gpu::order::Wait;
 
 /// The stages that a barrier between dispatches orders.
@@ -49,6 +50,25 @@ impl Encoded {
         let none = vk::DependencyFlags::empty();
         // SAFETY: the command buffer is recording.
         unsafe { self.device.raw().cmd_pipeline_barrier(self.now, STAGES, after, none, &memory, &[], &[]) };
+    }
+
+    /// Records a copy that waits for all dispatches before it, and all after it wait for it.
+    pub(super) fn copy(&self, [from, to]: &[BoundRange; 2]) {
+        let moved = vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::TRANSFER_WRITE;
+        let barrier = |before: vk::AccessFlags, after: vk::AccessFlags| {
+            [vk::MemoryBarrier::default().src_access_mask(before).dst_access_mask(after)]
+        };
+        let before = barrier(vk::AccessFlags::SHADER_WRITE | moved, moved);
+        let after = barrier(vk::AccessFlags::TRANSFER_WRITE, SEEN | vk::AccessFlags::SHADER_WRITE);
+        let region = [vk::BufferCopy { src_offset: from.offset, dst_offset: to.offset, size: to.size }];
+        let (raw, copies) = (self.device.raw(), vk::PipelineStageFlags::TRANSFER);
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the command buffer is recording; the buffers are alive, and the ranges lie within them.
+        unsafe {
+            raw.cmd_pipeline_barrier(self.now, STAGES | copies, copies, none, &before, &[], &[]);
+            raw.cmd_copy_buffer(self.now, from.buffer, to.buffer, &region);
+            raw.cmd_pipeline_barrier(self.now, copies, STAGES, none, &after, &[], &[]);
+        }
     }
 
     /// Records that what follows waits.

@@ -142,6 +142,7 @@ fn steps(list: &[Entry]) -> Vec<Vec<Vec<Use>>> {
                     all.push(Vec::new());
                 }
             }
+            Entry::Copy(_) => {}
             Entry::Dispatch(listed) => {
                 let listed_uses =
                     uses(listed).map(|(buffer, reads, writes)| (buffer.as_raw(), reads, writes)).collect();

@@ -17,7 +17,7 @@ impl Paces {
         let mut latest: BTreeMap<(String, Place), f64> = BTreeMap::new();
         let parts = list.iter().filter_map(|entry| match entry {
             Entry::Begin(name, place) => Some((name.clone(), *place)),
-            Entry::Dispatch(_) | Entry::End => None,
+            Entry::Dispatch(_) | Entry::Copy(_) | Entry::End => None,
         });
         for (part, time) in parts.zip(times).filter(|(_, time)| time.milliseconds.is_finite()) {
             let longest = latest.entry(part).or_default();
@@ -49,6 +49,7 @@ impl Paces {
                     }
                     dispatches += 1;
                 }
+                Entry::Copy(_) => {}
                 // The device's own last dispatch belongs to no step.
                 Entry::End => apart = false,
             }

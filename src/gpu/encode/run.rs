@@ -17,7 +17,7 @@ impl Encoded {
             match entry {
                 Entry::Begin(name, _) => stages.push(name.clone()),
                 Entry::Dispatch(_) => dispatches += 1,
-                Entry::End => {}
+                Entry::Copy(_) | Entry::End => {}
             }
         }
         let names = stages.clone();

@@ -32,6 +32,11 @@ impl LogicalDevice {
         self.0.patience.get()
     }
 
+    /// How long a submission should take, where the device may have a display: none for a processor.
+    pub(crate) fn shows(&self) -> Option<Duration> {
+        (self.adapter().kind != "cpu").then(|| self.longest())
+    }
+
     /// How long a submission should take.
     pub(in super::super) fn longest(&self) -> Duration {
         self.0.longest.get()

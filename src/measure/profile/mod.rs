@@ -25,10 +25,12 @@ pub use roofline::roofline;
 pub use trace::trace;
 pub use work::{Work, work};
 
-use crate::error::Result;
-use crate::gpu::{Device, Timed, Timing};
+use std::collections::BTreeSet;
+
+use crate::error::{Input, Result};
+use crate::gpu::{Device, Kernels, Timed, Timing};
 use crate::layout::BufferId;
-use crate::measure::rounds::{Forecast, Frame, InProcess, Measured, Samples, Schedule, Starter, compare, run};
+use crate::measure::rounds::{self, Forecast, Frame, InProcess, Measured, Samples, Schedule, Starter, compare, run};
 use crate::measure::statistics::Interval;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::Scene;
@@ -223,6 +225,38 @@ pub fn against<'a>(
         starters.push(Starter { name: (*name).to_string(), start: Box::new(start) });
     }
     compare(&mut starters, &settings.schedule(), edited, told)
+}
+
+/// Times the dispatches of one stage by the kernels of two devices that share all else, in turn within a submission:
+/// on the same memory, at the same point of a frame. `devices` opens both anew for each start.
+pub fn alternate(
+    scene: &Scene,
+    devices: &dyn Fn() -> Result<[Device; 2]>,
+    stage: &str,
+    settings: &Settings,
+    told: &mut dyn FnMut(&Forecast),
+) -> Result<Measured> {
+    let mut start = |rounds: &[[usize; 2]]| {
+        // The first of the first round owns the session; one more round before it warms up.
+        let first = rounds.first().map_or(0, |round| round[0]);
+        let rounds: Vec<[usize; 2]> = rounds.iter().take(1).chain(rounds).copied().collect();
+        let own = devices()?;
+        let mut session = variant(scene, Some(&own[first]), settings)?.session;
+        let others: Vec<[bool; 2]> = rounds.iter().map(|round| round.map(|which| which != first)).collect();
+        let runs = session.alternate(settings.change, stage, &mut Kernels::new(&own[1 - first]), &others)?;
+        let mut frames = [Vec::new(), Vec::new()];
+        for (which, steps) in rounds.iter().flatten().zip(runs).skip(2) {
+            if !steps.iter().any(|step| step.milliseconds.is_finite()) {
+                let fault =
+                    Input::new("a frame does not run this stage on the device, with timestamps").key("--alternate");
+                let run: BTreeSet<&str> = session.dispatches(settings.change)?.iter().map(|call| call.stage).collect();
+                return Err(fault.found(stage).expected(run.into_iter().collect::<Vec<_>>().join(", ")).into());
+            }
+            frames[*which].push(Frame { wall: f64::NAN, steps, ..Frame::default() });
+        }
+        Ok(frames)
+    };
+    rounds::alternate(["built-in", "replaced"], &settings.schedule(), stage, &mut start, told)
 }
 
 /// A warmed-up session: lists have their capacity and pipelines exist, so all further frames are alike.

@@ -54,7 +54,7 @@ pub struct Bench<'a> {
     pub device: Option<&'a Device>,
     /// Small scenes and few settings; takes minutes.
     pub quick: bool,
-    /// Mesh files that tables 4 and 5 of Mertens et al. are measured for, too.
+    /// Mesh files that tables 4 and 5 of Mertens et al. and figure 2 of Kubo et al. are measured for, too.
     pub meshes: &'a [String],
     /// Runs of `profile --history`.
     pub history: Option<&'a [Entry]>,
@@ -122,6 +122,7 @@ pub static PARTS: &[Section] = &[
     Section { name: "mertens/table3", title: "Mertens et al. 2003, table 3", write: mertens::table3 },
     Section { name: "mertens/table4", title: "Mertens et al. 2003, table 4", write: mertens::table4 },
     Section { name: "mertens/table5", title: "Mertens et al. 2003, table 5 and figure 5", write: mertens::table5 },
+    Section { name: "kubo/figure2", title: "Kubo et al. 2010, figure 2", write: kubo::figure2 },
     Section { name: "kubo/table1", title: "Kubo et al. 2010, table 1", write: kubo::table },
     Section { name: "layers/table2", title: "Francois et al. 2006, table 2", write: francois::table2 },
     Section { name: "layers/figure14", title: "Francois et al. 2006, figure 14", write: francois::pictures },

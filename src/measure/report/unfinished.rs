@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{Bench, Section, Written, setting};
 use crate::error::{Input, Result};
+use crate::measure::tables::mesh;
+use crate::measure::tables::paper::EXTENT_4;
+use crate::scene::Object;
 
 /// The file's name; a finished report has none.
 pub const UNFINISHED: &str = "unfinished.json";
@@ -26,11 +29,23 @@ fn subject(bench: &Bench<'_>, sections: &[&Section]) -> Vec<(String, String)> {
     let own = [
         ("commit", option_env!("MILKGLASS_COMMIT").unwrap_or_default().to_string()),
         ("sections", names.join(", ")),
-        ("meshes", bench.meshes.join(", ")),
+        (
+            "meshes",
+            bench.meshes.iter().map(|path| format!("{path} ({})", content(path))).collect::<Vec<_>>().join(", "),
+        ),
         ("history", mark(&bench.history)),
         ("day", mark(&bench.day)),
     ];
     setting::about(bench).into_iter().chain(own).map(|(key, value)| (key.to_string(), value)).collect()
+}
+
+/// A number that stands for a mesh: its vertices and triangles, whichever files they are in.
+fn content(path: &str) -> String {
+    let Ok(scene) = mesh(path, EXTENT_4) else { return "not readable".into() };
+    let bits = |object: &Object| -> Vec<[u64; 3]> {
+        object.mesh.positions.iter().map(|place| place.to_array().map(f64::to_bits)).collect()
+    };
+    mark(&scene.objects.iter().map(|object| (bits(object), &object.mesh.triangles)).collect::<Vec<_>>())
 }
 
 /// A number that stands for what a file has.
@@ -69,5 +84,26 @@ pub fn measured(folder: &Path, bench: &Bench<'_>, sections: &[&Section]) -> Resu
         Some(((key, now), (_, old))) => {
             Err(fault("the interrupted report is another one".into()).key(key).found(old).expected(now).into())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_changed_mesh_is_another_report() {
+        let here = tempfile::tempdir().unwrap();
+        let file = here.path().join("one.obj");
+        let own = [file.to_string_lossy().into_owned()];
+        let with = |corner: &str| {
+            std::fs::write(&file, format!("v 0 0 0\nv 1 0 0\n{corner}\nf 1 2 3\n")).unwrap();
+            subject(&Bench { meshes: &own, ..Bench::default() }, &[])
+        };
+        let first = with("v 0 1 0");
+        assert_eq!(first, with("v 0 1 0"));
+        let other = with("v 0 1 1");
+        let keys: Vec<&String> = first.iter().zip(&other).filter(|(a, b)| a != b).map(|((key, _), _)| key).collect();
+        assert_eq!(keys, ["meshes"]);
     }
 }

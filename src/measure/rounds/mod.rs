@@ -29,6 +29,10 @@ use crate::session::run::Session;
 pub const ROUNDS: usize = 16 * EACH;
 /// Most rounds after each start of the variants.
 pub const EACH: usize = 8;
+/// The same where both variants' runs alternate in one submission.
+const MOST_IN_TURN: usize = 32;
+/// Rounds of such a comparison by default.
+pub const IN_TURN: usize = STARTS * MOST_IN_TURN;
 /// Fewest starts of a comparison, unless the budget ends it.
 pub const STARTS: usize = 9;
 /// Rounds, or starts, after which the intervals are looked at first.
@@ -123,6 +127,10 @@ pub struct Starter<'a> {
     pub start: Box<dyn FnMut() -> Result<Box<dyn Variant + 'a>> + 'a>,
 }
 
+/// Opens two variants and times them in rounds, each of which says which of them comes first and second; returns the
+/// frames of each.
+pub type InTurn<'a> = dyn FnMut(&[[usize; 2]]) -> Result<[Vec<Frame>; 2]> + 'a;
+
 /// How long a comparison is going to take, as its first start shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Forecast {
@@ -187,8 +195,7 @@ impl Rounds {
             }
             self.orders.push(order);
             if enough(self) {
-                let passed = before.zip(Load::now(&processes)).map(|(before, now)| now.since(&before));
-                self.load = self.load.zip(passed).map(|(all, passed)| all.plus(&passed));
+                self.note(before, &processes);
                 return Ok(());
             }
         }
@@ -203,6 +210,44 @@ impl Rounds {
         variants.sort_by_key(|(which, _)| *which);
         let mut ready: Vec<&mut dyn Variant> = variants.iter_mut().map(|(_, variant)| &mut **variant as _).collect();
         self.run(&mut ready, &mut |rounds| rounds.orders.len().is_multiple_of(rounds.each))
+    }
+
+    /// Starts the variants until there are enough rounds; after the first start it tells how long the others take.
+    fn all(
+        mut self,
+        start: &mut dyn FnMut(&mut Self) -> Result<()>,
+        told: &mut dyn FnMut(&Forecast),
+    ) -> Result<Measured> {
+        start(&mut self)?;
+        let samples = self.samples();
+        let (fewest, rounds) = (samples.fewest_starts(), self.schedule.rounds);
+        let most = fewest.into_iter().fold(rounds.div_ceil(self.each).max(STARTS), usize::max);
+        told(&Forecast { starts: most, each: self.each, seconds: samples.seconds, fewest });
+        let mut starts = 1;
+        while !self.ends(starts, most, 1) {
+            start(&mut self)?;
+            starts += 1;
+        }
+        Ok(self.measured())
+    }
+
+    /// Has two variants opened and timed in rounds of drawn order.
+    fn in_turn(&mut self, start: &mut InTurn<'_>) -> Result<()> {
+        let before = Load::now(&[]);
+        let orders: Vec<Vec<usize>> = (0..self.each).map(|_| self.random.order(2)).collect();
+        let rounds: Vec<[usize; 2]> = orders.iter().map(|order| [order[0], order[1]]).collect();
+        for (all, own) in self.frames.iter_mut().zip(start(&rounds)?) {
+            all.extend(own);
+        }
+        self.orders.extend(orders);
+        self.note(before, &[]);
+        Ok(())
+    }
+
+    /// Adds the load since then.
+    fn note(&mut self, before: Option<Load>, processes: &[u32]) {
+        let passed = before.zip(Load::now(processes)).map(|(before, now)| now.since(&before));
+        self.load = self.load.zip(passed).map(|(all, passed)| all.plus(&passed));
     }
 
     /// Whether this is the end, after `done` rounds or starts of at most `most`, but not before `fewest`.
@@ -247,20 +292,23 @@ pub fn compare(
     edited: &[String],
     told: &mut dyn FnMut(&Forecast),
 ) -> Result<Measured> {
-    let each = schedule.rounds.div_ceil(STARTS).clamp(1, EACH);
-    let mut rounds = Rounds::new(names(starters), each, schedule);
+    let mut rounds = Rounds::new(names(starters), schedule.rounds.div_ceil(STARTS).clamp(1, EACH), schedule);
     rounds.edited = edited.to_vec();
-    rounds.start(starters)?;
-    let samples = rounds.samples();
-    let fewest = samples.fewest_starts();
-    let most = fewest.into_iter().fold(schedule.rounds.div_ceil(each).max(STARTS), usize::max);
-    told(&Forecast { starts: most, each, seconds: samples.seconds, fewest });
-    let mut starts = 1;
-    while !rounds.ends(starts, most, 1) {
-        rounds.start(starters)?;
-        starts += 1;
-    }
-    Ok(rounds.measured())
+    rounds.all(&mut |rounds| rounds.start(starters), told)
+}
+
+/// The same for two variants that each start opens and times in the rounds that it is given.
+pub fn alternate(
+    names: [&str; 2],
+    schedule: &Schedule,
+    edited: &str,
+    start: &mut InTurn<'_>,
+    told: &mut dyn FnMut(&Forecast),
+) -> Result<Measured> {
+    let each = schedule.rounds.div_ceil(STARTS).clamp(1, MOST_IN_TURN);
+    let mut rounds = Rounds::new(names.map(String::from).to_vec(), each, schedule);
+    rounds.edited = vec![edited.to_string()];
+    rounds.all(&mut |rounds| rounds.in_turn(start), told)
 }
 
 /// Runs the schedule's rounds of variants, which are started anew after every `each` rounds.

@@ -73,10 +73,13 @@ impl Series {
         Self { name: name.into(), frame_ms: frames.iter().map(|frame| frame.wall).collect(), stages }
     }
 
-    /// The names of what has times: the stages, their sum if there are any, and the frame.
+    /// The names of what has times: the stages, and unless frames were not timed, their sum if there are any, and the
+    /// frame.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
-        let sum = (!self.stages.is_empty()).then_some(STAGES);
-        self.stages.iter().map(|times| times.stage.as_str()).chain(sum).chain([FRAME])
+        let whole = self.frame_ms.iter().all(|ms| ms.is_finite());
+        let sum = (whole && !self.stages.is_empty()).then_some(STAGES);
+        let frame = whole.then_some(FRAME);
+        self.stages.iter().map(|times| times.stage.as_str()).chain(sum).chain(frame)
     }
 
     /// All times of one of [`Self::names`].

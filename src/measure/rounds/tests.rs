@@ -196,3 +196,29 @@ fn without_enough_starts_even_a_large_ratio_is_undecided() {
     let rows = few.against(&few);
     assert!(rows.iter().all(|row| row.shows() == "undecided" && row.missing_rounds == 20 - few.rounds()), "{rows:?}");
 }
+
+#[test]
+fn a_stage_in_turn_is_the_only_row() {
+    let mut starts = Vec::new();
+    let mut start = |rounds: &[[usize; 2]]| {
+        starts.push(rounds.to_vec());
+        let mut both = [Made::new(starts.len() as u64, 1.0, 0.02), Made::new(starts.len() as u64 + 99, 1.05, 0.02)];
+        let mut frames = [Vec::new(), Vec::new()];
+        for which in rounds.iter().flatten() {
+            let steps = both[*which].frame()?.steps.into_iter().filter(|step| step.name == "large").collect();
+            frames[*which].push(Frame { wall: f64::NAN, steps, ..Frame::default() });
+        }
+        Ok(frames)
+    };
+    let mut forecast = None;
+    let mut told = |found: &Forecast| forecast = Some(*found);
+    let found = alternate(["a", "b"], &schedule(IN_TURN), "large", &mut start, &mut told).unwrap().samples;
+    let forecast = forecast.unwrap();
+    assert_eq!((forecast.starts, forecast.each, forecast.fewest), (STARTS, IN_TURN / STARTS, [6, 0]));
+    let rows = found.ratios().remove(0);
+    assert!(rows.len() == 1 && rows[0].what == "large" && rows[0].finding() == Some("slower"), "{rows:?}");
+    // Each round has both, in the order that was drawn for it.
+    assert_eq!(found.orders, starts.concat().iter().map(|round| round.to_vec()).collect::<Vec<_>>());
+    let first = found.orders.iter().filter(|order| order[..] == [0, 1]).count();
+    assert!(found.orders.len() == IN_TURN && (IN_TURN / 3..IN_TURN * 2 / 3).contains(&first), "{first}");
+}
