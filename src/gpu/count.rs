@@ -42,10 +42,10 @@ pub(super) struct Counted {
 }
 
 impl Counted {
-    /// Words of a dispatch's counters: two a block, the lower one first, those of the longest [`Chain`], and two of what
-    /// subgroups issue.
+    /// Words of a dispatch's counters: two a block, the lower one first, those of the longest [`Chain`], and two each of
+    /// what subgroups issue and of how many there are.
     pub(super) fn counters(blocks: &[Block]) -> usize {
-        2 * blocks.len() + CHAIN + 2
+        2 * blocks.len() + CHAIN + 4
     }
 }
 
@@ -56,7 +56,7 @@ pub(super) fn counted(words: &[u32]) -> Option<Counted> {
     let mut out = Edited::begin(words)?;
     let longest = 2 * blocks.len() as u32;
     let most = blocks.iter().flat_map(|block| [block.instructions].into_iter().chain(block.chain)).max().unwrap_or(0);
-    let counters = Counters::declare(&mut out, &module.declared, most.max(longest + CHAIN as u32 + 1));
+    let counters = Counters::declare(&mut out, &module.declared, most.max(longest + CHAIN as u32 + 3), true);
     let (mut waiting, mut numbered, mut function) = (None::<(&Block, u32)>, blocks.iter().zip(0..), 0);
     let words = out.finish(words, |out, instruction| {
         // Counting comes after the phis and variables of a block.
@@ -65,7 +65,7 @@ pub(super) fn counted(words: &[u32]) -> Option<Counted> {
         {
             counters.count(out, number);
             counters.add(out, block.chain);
-            counters.issue(out, block.instructions);
+            counters.issue(out, block.instructions, block.entry);
         }
         match (instruction.op, instruction.operands) {
             (Some(Op::Function), [_, id, ..]) => function = *id,
@@ -74,7 +74,6 @@ pub(super) fn counted(words: &[u32]) -> Option<Counted> {
             _ => {}
         }
         counters.keep(out, instruction);
-        counters.elect(out, instruction);
         Some(())
     })?;
     Some(Counted { words, blocks })
@@ -96,8 +95,12 @@ fn blocks(module: &Module<'_>, words: &[u32]) -> Vec<Block> {
             }
             _ => {
                 if let Some(block) = all.last_mut() {
+                    let before = (block.floats(), block.instructions);
                     module.add(block, instruction);
                     module.chain(block, instruction, &mut chains);
+                    if block.floats() == before.0 {
+                        block.others += block.instructions - before.1;
+                    }
                 }
             }
         }

@@ -89,16 +89,23 @@ impl Kernel {
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
     pub(crate) fn new(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
-        let shape = Shape::of(device, name, &reflect(name, &words)?);
-        Self::shaped(device, name, words, constants, shape)
+        let (shape, shuffles) = (Shape::of(device, name, &reflect(name, &words)?), has_subgroups(&words));
+        Self::shaped(device, name, words, constants, (shape, shuffles))
     }
 
-    fn shaped(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32], shape: Shape) -> Result<Self> {
+    fn shaped(
+        device: &LogicalDevice,
+        name: &str,
+        words: Vec<u32>,
+        constants: &[u32],
+        (shape, shuffles): (Shape, bool),
+    ) -> Result<Self> {
         let special: Vec<(u32, u32)> = (0..).zip(constants.iter().copied()).collect();
         let kept = device.choices().constants == Constants::Specialization;
         let source =
             kept.then(|| Source { words: words.clone(), constants: constants.to_vec(), baked: RefCell::default() });
         let mut kernel = Self::described(device, name, &words, constants, shape)?;
+        kernel.shuffles = shuffles;
         kernel.source = source.filter(|_| kernel.push_bytes > 0).map(Box::new);
         // Where push constants become specialization constants, `baked` makes a pipeline for each of their values.
         match kernel.source {
@@ -119,7 +126,8 @@ impl Kernel {
         let mut special: Vec<(u32, u32)> = (0..).zip(source.constants.iter().copied()).collect();
         let pushed = push.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
         special.extend((BAKED_ID..).zip(pushed));
-        let made = Self::described(&self.device, &self.name, &words, &source.constants, self.shape)?;
+        let mut made = Self::described(&self.device, &self.name, &words, &source.constants, self.shape)?;
+        made.shuffles = self.shuffles;
         let made = Rc::new(made.with_pipeline(words, special)?);
         source.baked.borrow_mut().insert(push.to_vec(), made.clone());
         Ok(made)

@@ -46,12 +46,13 @@ impl Kernels {
         made.iter().map(|(key, kernel)| Ok((key.clone(), kernel.creation, kernel.statistics()?))).collect()
     }
 
-    /// What each dispatch has done since the last call, in their order, after its kernel's name; nothing where kernels
-    /// do not count.
-    pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
+    /// What each dispatch has done since the last call, in their order, after its kernel's name and that of the part of
+    /// the work that was timed with it; nothing where kernels do not count.
+    pub fn tallies(&self) -> Result<Vec<([String; 2], Tally)>> {
         let mut all = BTreeMap::new();
         for (key, kernel) in self.made.borrow().iter() {
-            all.extend(kernel.tallies()?.into_iter().map(|(number, tally)| (number, (key.name.clone(), tally))));
+            let own = kernel.tallies()?.into_iter();
+            all.extend(own.map(|((number, part), tally)| (number, ([key.name.clone(), part], tally))));
         }
         Ok(all.into_values().collect())
     }

@@ -74,7 +74,7 @@ pub use list::{Place, Timing};
 pub use logical_device::LogicalDevice;
 pub use memory::Buffer;
 pub use offers::Offers;
-pub(crate) use record::{Recorder, Recordings, Work, numbered};
+pub(crate) use record::{Recorder, Recordings, Work};
 pub use reflect::{
     Access, accesses, constants, group_is_open, kernel_names, kernels_without_subgroups, reflect_records, spirv,
 };

@@ -10,7 +10,7 @@ use super::choices::{Constants, Queues, Submissions};
 use super::count;
 use super::encode::{Encoded, Paces};
 use super::first_use;
-use super::kernel::{Kernel, Meter};
+use super::kernel::Kernel;
 use super::list::{BoundRange, Entry, Groups, Listed, Place, Timing};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
@@ -32,11 +32,6 @@ pub enum Work<'a> {
         /// The first byte of the three numbers.
         offset: u64,
     },
-}
-
-/// The name of a dispatch: its kernel, and its number among that kernel's.
-pub fn numbered(kernel: &str, number: u32) -> String {
-    format!("{kernel} #{number}")
 }
 
 /// A frame being listed.
@@ -69,11 +64,20 @@ impl Recorder {
         done
     }
 
+    /// The name of the part that was begun last.
+    fn latest_part(&self) -> &str {
+        let names = self.list.iter().rev().filter_map(|entry| match entry {
+            Entry::Begin(name, _) => Some(name.as_str()),
+            _ => None,
+        });
+        names.into_iter().next().unwrap_or_default()
+    }
+
     /// A name for the next dispatch of this kernel: with its number among them.
     pub fn numbered(&mut self, kernel: &str) -> String {
         let number = self.numbered.entry(kernel.to_string()).or_default();
         *number += 1;
-        numbered(kernel, *number)
+        format!("{kernel} #{number}")
     }
 
     /// Lists a dispatch of a kernel; it waits for earlier dispatches that it depends on.
@@ -108,7 +112,9 @@ impl Recorder {
         let groups = match work {
             Work::Invocations(count) => Groups::Direct(kernel.grid(count)),
             Work::Grid(groups) => Groups::Direct(groups),
-            Work::Groups { .. } if kernel.lanes() == 1 && kernel.shape.group.is_some_and(|size| size != GROUP_SIZE) => {
+            Work::Groups { .. }
+                if !kernel.shape.counted && kernel.shape.group.is_some_and(|size| size != GROUP_SIZE) =>
+            {
                 return Err(Error::device(doing(), "its groups are counted by another kernel, in groups of 64"));
             }
             Work::Groups { buffer, offset } => Groups::Counted { range: range(buffer, offset, 12) },
@@ -124,7 +130,7 @@ impl Recorder {
             return Err(Error::device(doing(), what));
         }
         // A kernel that counts has a range of its own buffer for each dispatch.
-        let counters = kernel.meter.as_ref().map(Meter::next);
+        let counters = kernel.meter.as_ref().map(|meter| meter.next(self.latest_part()));
         let mut ranges = Vec::with_capacity(kernel.accesses.len());
         for access in &kernel.accesses {
             let bound = bindings.iter().find(|b| b.number == access.binding);

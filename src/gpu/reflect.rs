@@ -83,9 +83,9 @@ fn words_in(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
-/// Whether a module has subgroup operations that find other invocations, by its capabilities; electing one does not.
+/// Whether a module has subgroup operations, by its capabilities.
 pub(super) fn has_subgroups(words: &[u32]) -> bool {
-    let subgroups = Capability::GroupNonUniformVote as u32..=Capability::GroupNonUniformQuad as u32;
+    let subgroups = Capability::GroupNonUniform as u32..=Capability::GroupNonUniformQuad as u32;
     let declares = |found: Instruction<'_>| found.op == Some(Op::Capability) && subgroups.contains(&found.operands[0]);
     instructions(words).any(declares)
 }

@@ -32,8 +32,8 @@ constants! {
     MOST_WIDE: u32 = 1024;
     /// The specialization constant that is not 0 where one dispatch goes through all levels of a tree.
     CLIMBS_ID: u32 = 105;
-    /// The specialization constant that sets the invocations of a group whose number of groups another kernel counts:
-    /// more of them where a group has one block.
+    /// The specialization constant that sets how many invocations a group has in kernels whose groups another kernel
+    /// counts: more than [`GROUP_SIZE`] where each group has one block.
     COUNTED_ID: u32 = 106;
     /// Work groups in a row of a dispatch; more need a second dimension.
     GROUPS_A_ROW: u32 = 32_768;

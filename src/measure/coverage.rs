@@ -48,7 +48,7 @@ impl Coverage {
         let mut copy = DeviceState::new(&self.device, false)?;
         copy.upload(&fixture.state, BUFFER_IDS)?;
         copy.run(&fixture.state, &fixture.steps)?;
-        for (kernel, tally) in copy.kernels().tallies()? {
+        for ([kernel, _], tally) in copy.kernels().tallies()? {
             for code in tally.listed {
                 let own = self.codes.entry(code.clone()).or_default();
                 own.kernels.insert(kernel.clone());

@@ -69,7 +69,7 @@ impl Session {
 
     /// Each dispatch's counts since the last call, in their order, after the kernel's path. Empty on the CPU, and for
     /// kernels without counters.
-    pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
+    pub fn tallies(&self) -> Result<Vec<([String; 2], Tally)>> {
         self.gpu.as_ref().map_or(Ok(Vec::new()), |gpu| gpu.kernels().tallies())
     }
 

@@ -253,6 +253,8 @@ impl<'s> Pass<'s> {
                 match device_state.device().choices().timed {
                     Timed::Steps => list(recorder)?,
                     Timed::Kernels => recorder.part_of(&kernel, self.step.place(), list)?,
+                    // What is not dispatched has no number.
+                    Timed::Dispatches if matches!(groups, Groups::Invocations(0)) => {}
                     Timed::Dispatches => {
                         let name = recorder.numbered(&kernel);
                         recorder.part_of(&name, self.step.place(), list)?;

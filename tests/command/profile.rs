@@ -186,7 +186,7 @@ fn a_profile_times_each_kernel() {
     let total: u64 = stages.iter().map(|row| row["dispatches"].as_u64().unwrap()).sum();
     assert_eq!(parts.len() as u64, total, "{parts:?}");
     assert!(parts.iter().any(|row| row["stage"] == "transport/blocks/gather/direct #1"), "{parts:?}");
-    for key in ["flops", "instructions", "issued", "shared_words", "bytes_loaded"] {
+    for key in ["flops", "instructions", "other_instructions", "shared_words", "bytes_loaded"] {
         let number = |row: &serde_json::Value| row["work"][key].as_u64().unwrap();
         let of = |rows: &[serde_json::Value]| rows.iter().map(number).sum::<u64>();
         assert_eq!((of(&parts), of(&stages)), (of(&kernels), of(&kernels)), "{key}");

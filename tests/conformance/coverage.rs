@@ -55,7 +55,7 @@ fn coverage_lists_what_a_disassembler_lists() {
             let mut copy = DeviceState::new(&device.counting(), false).unwrap();
             copy.upload(&fixture.state, BUFFER_IDS).unwrap();
             copy.run(&fixture.state, &fixture.steps).unwrap();
-            for (kernel, tally) in copy.kernels().tallies().unwrap() {
+            for ([kernel, _], tally) in copy.kernels().tallies().unwrap() {
                 let known = modules.entry(kernel).or_default();
                 for (names, codes) in known.iter_mut().zip([tally.listed, tally.executed]) {
                     names.extend(codes.into_iter().map(|code| (code.kind(), code.name())));

@@ -37,8 +37,9 @@ pub(super) fn text(found: &Profile, why: &Why) -> String {
     );
     if let Some((all, finer)) = found.rates.as_ref().zip(why.rates.as_ref()) {
         text += &rates(all, finer);
+        text += "model: ms at these rates; from mem (memory) to wait: parts of ms in %; lanes: active ones, mean\n";
     }
-    text += "model: ms at these rates; mem (copies, loads, atomics) to wait: % of ms; lanes: active, on average\n\n";
+    text += "\n";
 
     let mut stages: Vec<&Stage> = why.stages.iter().collect();
     stages.sort_by(|a, b| b.ms.total_cmp(&a.ms));

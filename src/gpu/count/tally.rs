@@ -17,6 +17,8 @@ pub(in super::super) struct Block {
     pub(super) exps: u32,
     /// Instructions that a processor issues, as [`Module`](super::read::Module) estimates them.
     pub(super) instructions: u32,
+    /// Those of them that compute no float.
+    pub(super) others: u32,
     /// What an invocation goes through one after the other, in the order of [`Chain`].
     pub(super) chain: [u32; CHAIN],
     /// What it is made of; of the first block also what the module declares.
@@ -27,6 +29,13 @@ pub(in super::super) struct Block {
     pub(super) shared: u32,
     /// Operations that read a word of a buffer and write it in one step.
     pub(super) atomics: u32,
+}
+
+impl Block {
+    /// The float operations of all kinds.
+    pub(super) fn floats(&self) -> u32 {
+        self.flops + self.roots + self.exps
+    }
 }
 
 /// Bytes of one buffer that loads and stores name.
@@ -91,8 +100,12 @@ pub struct Tally {
     /// Instructions that all invocations issue, estimated: one a number of arithmetic, eight a root, quotient or
     /// exponential, one for 16 bytes of a load or store.
     pub instructions: u64,
+    /// Those of them that compute no float.
+    pub others: u64,
     /// Instructions that all subgroups issue, each once for those of its invocations that run it.
     pub issued: u64,
+    /// Subgroups.
+    pub subgroups: u64,
     /// Words of shared memory that are loaded and stored.
     pub shared: u64,
     /// Operations that read a word of a buffer and write it in one step.
@@ -111,14 +124,20 @@ pub struct Tally {
 
 impl Tally {
     /// What the blocks have done together in a dispatch, each having run `counts` times.
-    pub(in super::super) fn new(blocks: &[Block], counts: &[u64], longest: Chain, issued: u64) -> Self {
-        let mut tally = Self { dispatches: 1, longest, issued, ..Self::default() };
+    pub(in super::super) fn new(
+        blocks: &[Block],
+        counts: &[u64],
+        longest: Chain,
+        [issued, subgroups]: [u64; 2],
+    ) -> Self {
+        let mut tally = Self { dispatches: 1, longest, issued, subgroups, ..Self::default() };
         for (block, &count) in blocks.iter().zip(counts) {
             tally.invocations += if block.entry { count } else { 0 };
             tally.flops += count * u64::from(block.flops);
             tally.roots += count * u64::from(block.roots);
             tally.exps += count * u64::from(block.exps);
             tally.instructions += count * u64::from(block.instructions);
+            tally.others += count * u64::from(block.others);
             tally.shared += count * u64::from(block.shared);
             tally.atomics += count * u64::from(block.atomics);
             tally.chains.add(count, Chain::of(block.chain));
@@ -147,7 +166,9 @@ impl Tally {
         self.roots += other.roots;
         self.exps += other.exps;
         self.instructions += other.instructions;
+        self.others += other.others;
         self.issued += other.issued;
+        self.subgroups += other.subgroups;
         self.shared += other.shared;
         self.atomics += other.atomics;
         self.chains.add(1, other.chains);

@@ -24,7 +24,7 @@ pub(crate) fn touching(name: &str, words: &[u32]) -> Option<Touching> {
     let notes: Vec<(u32, usize)> = strides.into_iter().collect();
     let module = Module::of(words);
     let mut out = Edited::begin(words)?;
-    let counters = Counters::declare(&mut out, &module.declared, notes.len() as u32);
+    let counters = Counters::declare(&mut out, &module.declared, notes.len() as u32, false);
     let words = out.finish(words, |out, instruction| {
         // The variable, its only member, the element.
         if let (Some(Op::AccessChain | Op::InBoundsAccessChain), [_, _, base, _, index, ..]) =

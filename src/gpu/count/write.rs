@@ -19,18 +19,18 @@ pub(super) struct Counters {
     variable: u32,
     /// The constant 0; `zero + n` is the constant n, up to the largest that was asked for.
     zero: u32,
-    /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain), and
-    /// what its subgroup has issued where it was elected.
-    own: [u32; CHAIN + 1],
-    /// Whether the module has [`Op::GroupNonUniformElect`], of version 1.3 and later, and its own capability of it.
-    elects: [bool; 2],
+    /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain), what its
+    /// subgroup has issued where it was elected, and whether it was where the kernel begins.
+    own: [u32; CHAIN + 2],
+    /// Whether the module may have [`Op::GroupNonUniformElect`]: from version 1.3 on.
+    elects: bool,
     /// Whether the entry point lists all variables that it uses: from version 1.4 on. Before, it lists inputs only.
     listed: bool,
 }
 
 impl Counters {
-    /// Adds the buffer to a module, and the constants up to `most`.
-    pub(super) fn declare(out: &mut Edited, module: &Declared<'_>, most: u32) -> Self {
+    /// Adds the buffer to a module, and the constants up to `most`; to be called before anything else is written.
+    pub(super) fn declare(out: &mut Edited, module: &Declared<'_>, most: u32, counts_subgroups: bool) -> Self {
         let (class, block) = match out.version() {
             0x10300.. => (StorageClass::StorageBuffer, Decoration::Block),
             _ => (StorageClass::Uniform, Decoration::BufferBlock),
@@ -69,16 +69,12 @@ impl Counters {
         let own = std::array::from_fn(|_| out.id());
         own.iter().for_each(|id| out.declare(Op::Variable, &[own_pointer, *id, private, zero]));
         let (version, subgroups) = (out.version(), Capability::GroupNonUniform as u32);
-        let elects = [version >= 0x10300, module.capabilities.contains(&subgroups)];
-        Self { uint, boolean, word_pointer, variable, zero, own, elects, listed: version >= 0x10400 }
-    }
-
-    /// Asks for what counting by subgroup needs, after the module's own capability of shaders.
-    pub(super) fn elect(self, out: &mut Edited, instruction: Instruction<'_>) {
-        let shader = (instruction.op, instruction.operands) == (Some(Op::Capability), &[Capability::Shader as u32]);
-        if shader && self.elects == [true, false] {
-            out.put(Op::Capability, &[Capability::GroupNonUniform as u32]);
+        let elects = version >= 0x10300;
+        // Nothing of the module is written yet: capabilities come first.
+        if elects && counts_subgroups && !module.capabilities.contains(&subgroups) {
+            out.put(Op::Capability, &[subgroups]);
         }
+        Self { uint, boolean, word_pointer, variable, zero, own, elects, listed: version >= 0x10400 }
     }
 
     /// Copies an instruction; the entry point lists the variables that it uses.
@@ -101,22 +97,26 @@ impl Counters {
         }
     }
 
-    /// The subgroup issues so many instructions.
-    pub(super) fn issue(self, out: &mut Edited, instructions: u32) {
+    /// The subgroup issues so many instructions, where the kernel begins or later.
+    pub(super) fn issue(self, out: &mut Edited, instructions: u32, begins: bool) {
         let Self { uint, boolean, zero, own, .. } = self;
-        if !self.elects[0] {
+        if !self.elects {
             return;
         }
-        let [elected, once, before, after] = std::array::from_fn(|_| out.id());
+        let [elected, once, one, before, after] = std::array::from_fn(|_| out.id());
         out.put(Op::GroupNonUniformElect, &[boolean, elected, zero + Scope::Subgroup as u32]);
         out.put(Op::Select, &[uint, once, elected, zero + instructions, zero]);
         out.put(Op::Load, &[uint, before, own[CHAIN]]);
         out.put(Op::IAdd, &[uint, after, before, once]);
         out.put(Op::Store, &[own[CHAIN], after]);
+        if begins {
+            out.put(Op::Select, &[uint, one, elected, zero + 1, zero]);
+            out.put(Op::Store, &[own[CHAIN + 1], one]);
+        }
     }
 
-    /// The invocation ends: the words from this one on become what it has done, if that is more; the two after them
-    /// hold the sum of what subgroups issued.
+    /// The invocation ends: the words from this one on become what it has done, if that is more; those after them hold
+    /// the sums of what subgroups issued and of their number.
     pub(super) fn end(self, out: &mut Edited, first: u32) {
         let Self { uint, word_pointer, variable, zero, own, .. } = self;
         let (scope, semantics) = (zero + Scope::Device as u32, zero + MemorySemantics::RELAXED.bits());
@@ -126,9 +126,11 @@ impl Counters {
             out.put(Op::Load, &[uint, done, *own]);
             out.put(Op::AtomicUMax, &[uint, before, place, scope, semantics, done]);
         }
-        let issued = out.id();
-        out.put(Op::Load, &[uint, issued, own[CHAIN]]);
-        self.increase(out, first + CHAIN as u32, issued);
+        for (own, word) in own[CHAIN..].iter().zip((first + CHAIN as u32..).step_by(2)) {
+            let sum = out.id();
+            out.put(Op::Load, &[uint, sum, *own]);
+            self.increase(out, word, sum);
+        }
     }
 
     /// A block runs: adds one to its counter.

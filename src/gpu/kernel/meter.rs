@@ -3,11 +3,12 @@
 use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::Kernel;
+use super::{Kernel, Shape};
 use crate::error::Result;
 use crate::gpu::count::{Block, CHAIN, Chain, Counted, Tally, counted};
 use crate::gpu::logical_device::LogicalDevice;
 use crate::gpu::memory::Buffer;
+use crate::gpu::reflect::{has_subgroups, reflect};
 
 /// Most dispatches that have counters of their own; those beyond share the last one's, and the longest of them counts
 /// for each.
@@ -24,8 +25,8 @@ pub(in super::super) struct Meter {
     blocks: Vec<Block>,
     /// A range for each dispatch.
     counters: Buffer,
-    /// The numbers of the dispatches since the last reading.
-    dispatches: RefCell<Vec<u64>>,
+    /// The dispatches since the last reading: their numbers, and the parts of the work that were timed with them.
+    dispatches: RefCell<Vec<(u64, String)>>,
     /// How many dispatches share the last range with its own.
     beyond: Cell<u64>,
 }
@@ -43,11 +44,11 @@ impl Meter {
         (4 * Counted::counters(blocks)).next_multiple_of(ALIGNMENT)
     }
 
-    /// The buffer, and the first byte and the size of the next dispatch's range.
-    pub(in super::super) fn next(&self) -> (&Buffer, u64, u64) {
+    /// The buffer, and the first byte and the size of the range of the next dispatch, which is timed as this part.
+    pub(in super::super) fn next(&self, part: &str) -> (&Buffer, u64, u64) {
         let mut dispatches = self.dispatches.borrow_mut();
         if dispatches.len() < MOST {
-            dispatches.push(NEXT.fetch_add(1, Ordering::Relaxed));
+            dispatches.push((NEXT.fetch_add(1, Ordering::Relaxed), part.to_string()));
         } else {
             self.beyond.set(self.beyond.get() + 1);
         }
@@ -55,8 +56,8 @@ impl Meter {
         (&self.counters, (dispatches.len() as u64 - 1) * stride, stride)
     }
 
-    /// What each dispatch has done since the last call, after its number.
-    fn read(&self) -> Result<Vec<(u64, Tally)>> {
+    /// What each dispatch has done since the last call, after its number and its part.
+    fn read(&self) -> Result<Vec<((u64, String), Tally)>> {
         let dispatches = self.dispatches.take();
         let stride = Self::stride(&self.blocks) / 4;
         let mut words = vec![0u32; dispatches.len() * stride];
@@ -69,9 +70,15 @@ impl Meter {
             let (counts, ends) = words.split_at(2 * self.blocks.len());
             let number = |both: &[u32]| u64::from(both[1]) << 32 | u64::from(both[0]);
             let counts: Vec<u64> = counts.chunks(2).map(number).collect();
-            Tally::new(&self.blocks, &counts, Chain::of([ends[0], ends[1], ends[2]]), number(&ends[CHAIN..]))
+            Tally::new(
+                &self.blocks,
+                &counts,
+                Chain::of([ends[0], ends[1], ends[2]]),
+                [number(&ends[CHAIN..]), number(&ends[CHAIN + 2..])],
+            )
         };
-        let mut tallies: Vec<(u64, Tally)> = dispatches.into_iter().zip(words.chunks(stride).map(tally)).collect();
+        let mut tallies: Vec<((u64, String), Tally)> =
+            dispatches.into_iter().zip(words.chunks(stride).map(tally)).collect();
         if let Some((_, last)) = tallies.last_mut() {
             last.repeat(self.beyond.take());
         }
@@ -88,14 +95,16 @@ impl Kernel {
         constants: &[u32],
     ) -> Result<Self> {
         let Some(counted) = counted(&words) else { return Self::new(device, name, words, constants) };
-        let mut kernel = Self::new(device, name, counted.words, constants)?;
+        // What counts elects one of a subgroup, whichever are there: it asks for no more than the kernel does.
+        let (shape, shuffles) = (Shape::of(device, name, &reflect(name, &words)?), has_subgroups(&words));
+        let mut kernel = Self::shaped(device, name, counted.words, constants, (shape, shuffles))?;
         kernel.meter = Some(Meter::new(device, counted.blocks)?);
         Ok(kernel)
     }
 
-    /// What each dispatch has done since the last call, after its number among all dispatches that count; none if it
-    /// does not count.
-    pub(in super::super) fn tallies(&self) -> Result<Vec<(u64, Tally)>> {
+    /// What each dispatch has done since the last call, after its number among all dispatches that count, and the part of
+    /// the work that was timed with it; none if it does not count.
+    pub(in super::super) fn tallies(&self) -> Result<Vec<((u64, String), Tally)>> {
         self.meter.as_ref().map_or(Ok(Vec::new()), Meter::read)
     }
 }

@@ -4,6 +4,8 @@ use super::Kernel;
 #[cfg(feature = "measure")]
 use crate::error::Result;
 use crate::gpu::logical_device::LogicalDevice;
+#[cfg(feature = "measure")]
+use crate::gpu::reflect::has_subgroups;
 use crate::gpu::reflect::{Reflected, reflect};
 use crate::layout::{
     BLOCK_RECEIVERS, CLIMBS_ID, COUNTED_ID, GROUP_ID, GROUP_SIZE, LANES_ID, MOST_LANES, MOST_WIDE, TEAMS_ID, WIDE_ID,
@@ -14,8 +16,8 @@ use crate::layout::{
 pub(in super::super) struct Shape {
     /// Invocations of a group, where they are set.
     pub(in super::super) group: Option<u32>,
-    /// Whether another kernel counts its groups.
-    counted: bool,
+    /// Whether `COUNTED_ID` sets the size of its groups.
+    pub(in super::super) counted: bool,
     /// The constant that tells the kernel how invocations share items, and how many have one item.
     shared: Option<(u32, u32)>,
 }
@@ -87,7 +89,8 @@ impl Kernel {
         // The bits of a kernel with one group do not depend on its width: another device's may be too wide.
         let wide = found.constants.contains_key(&WIDE_ID) && lanes > 1;
         let shape = Shape::with_lanes(if wide { lanes.min(device.most_in_group()) } else { lanes }, &found);
-        Self::shaped(device, name, words, constants, shape)
+        let shuffles = has_subgroups(&words);
+        Self::shaped(device, name, words, constants, (shape, shuffles))
     }
 
     /// How many invocations share an item.

@@ -125,7 +125,7 @@ pub struct Profile {
 
 impl Row {
     /// Device time in seconds, the basis of the shares.
-    pub(super) fn seconds(&self) -> Option<f64> {
+    fn seconds(&self) -> Option<f64> {
         self.device.map(|spread| spread.median * 1e-3).filter(|seconds| *seconds > 0.0)
     }
 

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::work::{Counted, Rows, counted};
+use super::work::{Counted, counted, row_of};
 use super::{Settings, variant};
 use crate::error::{Input, Result};
 use crate::gpu::count::{Chain, Tally};
@@ -228,9 +228,8 @@ pub fn predict(scene: &Scene, device: &Device, settings: &Settings, model: &Mode
     let submissions = device.submissions() - before;
     let Counted { session, steps, tallies } = counted(scene, &device.counting(), settings, &mut plain)?;
     let mut rows: Vec<Predicted> = Vec::new();
-    let mut named = Rows::of(&session);
     for (kernel, tally) in tallies {
-        let Some(name) = named.name(&kernel) else { continue };
+        let Some(name) = row_of(&session, &kernel, &tally) else { continue };
         let place = rows.iter().position(|row| row.stage == name).unwrap_or(rows.len());
         if place == rows.len() {
             rows.push(Predicted { stage: name, ..Predicted::default() });

@@ -32,7 +32,7 @@ pub struct FinerRates {
     pub loads: Vec<(u64, f64)>,
     /// Loads of a word of shared memory per second, each of which says where the next one is.
     pub shared: f64,
-    /// Increments of a buffer's words per second, none of which waits for another one's word.
+    /// Increments of a buffer's words per second; neighbours increment different words.
     pub atomic: f64,
 }
 
@@ -49,8 +49,9 @@ const INTEGER_EACH: f64 = 3.0;
 
 /// Runs per size; the first one creates the pipeline and does not count.
 const RUNS: usize = 6;
-/// Loop iterations: far below 65,535, the limit after which some drivers end a loop.
-const ROUNDS: u32 = 1024;
+/// Loop iterations: far below 65,535, the limit after which some drivers end a loop, and such that no ring of places
+/// comes back to its first one.
+const ROUNDS: u32 = 1000;
 /// Operations per loop iteration.
 const EACH: f64 = 16.0;
 /// Minimum time of a run, milliseconds.
@@ -230,4 +231,22 @@ fn exp(invocation: u32) -> f64 {
     let step = f64::from(STEP);
     let series = (1.0 - (-step * f64::from(ROUNDS)).exp()) / (1.0 - (-step).exp());
     (0..16).map(|k| (-0.01 * (f64::from(invocation % 64) + f64::from(k))).exp() * series).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ring_is_one_cycle_and_a_chase_ends_elsewhere() {
+        for bytes in WORKING_SETS {
+            let length = (bytes / 16) as u32;
+            assert!((0..64).all(|at| hop(at, length) != at), "{length}");
+        }
+        let ring: Vec<u32> =
+            std::iter::successors(Some(0), |at| Some(ring_next(*at, SHARED_WORDS))).take(1025).collect();
+        let places: std::collections::BTreeSet<&u32> = ring.iter().collect();
+        assert_eq!((places.len(), ring[1024]), (SHARED_WORDS as usize, 0));
+        assert!((0..64).all(|at| hop(at, SHARED_WORDS) != at));
+    }
 }

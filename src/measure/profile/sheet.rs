@@ -19,7 +19,7 @@ impl Profile {
         let shown = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
         let device = |row: &Row, part: fn(Quantiles) -> f64| shown(row.device.map(part));
         let work = |row: &Row, part: fn(Work) -> u64| row.work.map_or_else(String::new, |work| part(work).to_string());
-        let columns: [Column<'_, Row>; 31] = [
+        let columns: [Column<'_, Row>; 33] = [
             ("scene", "", &|_| self.scene.clone()),
             ("device", "", &|_| self.device.clone()),
             ("driver", "", &|_| self.driver.clone()),
@@ -42,6 +42,8 @@ impl Profile {
             ("bytes_loaded", "", &|row| work(row, |work| work.loaded)),
             ("bytes_stored", "", &|row| work(row, |work| work.stored)),
             ("instructions", "", &|row| work(row, |work| work.instructions)),
+            ("other_instructions", "", &|row| work(row, |work| work.others)),
+            ("subgroups", "", &|row| work(row, |work| work.subgroups)),
             ("issued", "", &|row| work(row, |work| work.issued)),
             ("shared_words", "", &|row| work(row, |work| work.shared)),
             ("atomics", "", &|row| work(row, |work| work.atomics)),

@@ -53,54 +53,58 @@ struct Shares {
     arithmetic: [f64; 4],
     /// By how much longer the loads of buffers could take.
     misses: f64,
+    /// Whether loads and arithmetic take turns, as a processor's vectors do.
+    in_turn: bool,
 }
 
 /// The rates that a stage's work is held against.
 struct Limits<'a> {
     rates: &'a Rates,
     finer: &'a FinerRates,
-    /// Invocations of a subgroup.
-    lanes: u32,
-    /// Whether loads and arithmetic take turns, as a processor's vectors do.
     in_turn: bool,
 }
 
 impl<'a> Limits<'a> {
-    /// Those of a device with these rates.
-    fn of(device: &Device, rates: &'a Rates, finer: &'a FinerRates) -> Self {
-        let (lanes, in_turn) = (device.limits().subgroup_size, device.adapter().kind == "cpu");
-        Self { rates, finer, lanes, in_turn }
+    /// Those of a device, if all of these rates are known.
+    fn of(device: &Device, rates: &'a Rates, finer: &'a FinerRates) -> Option<Self> {
+        let loads = finer.loads.iter().map(|(_, rate)| *rate);
+        let others = [rates.copy, rates.fma, rates.exp, finer.integer, finer.divide, finer.shared, finer.atomic];
+        let known = loads.chain(others).all(|rate| rate.is_finite() && rate > 0.0);
+        known.then(|| Self { rates, finer, in_turn: device.adapter().kind == "cpu" })
     }
 
-    /// What a row's work would take, where idle lanes issue what the others do.
+    /// What a row's work would take; arithmetic takes as long for the idle lanes of a subgroup.
     fn shares(&self, row: &Row) -> Option<Shares> {
         let (rates, finer, work, seconds) = (self.rates, self.finer, row.work?, row.seconds()?);
         let share = |count: u64, rate: f64| count as f64 / rate / seconds;
-        // As `gpu::count` counts instructions: one a float operation, eight a root, quotient or exponential.
-        let floats = work.flops + 8 * (work.roots + work.exps);
-        let idle = f64::from(self.lanes) * work.issued as f64 / work.instructions.max(1) as f64;
+        let width = work.invocations as f64 / work.subgroups.max(1) as f64;
+        let idle = width * work.issued as f64 / work.instructions.max(1) as f64;
         let arithmetic = [
             share(work.flops, 2.0 * rates.fma),
             share(work.exps, rates.exp),
             share(work.roots, finer.divide),
-            share(work.instructions.saturating_sub(floats), finer.integer),
+            share(work.others, finer.integer),
         ];
-        let (bound, moved) = (work.read + work.written, work.loaded + work.stored);
+        // An atomic operation is counted as a load and a store of a word, too.
+        let moved = (work.loaded + work.stored).saturating_sub(8 * work.atomics);
+        let bound = work.read + work.written;
         let loads = share(moved, finer.loads_in(0)?);
         Some(Shares {
             copy: share(bound, rates.copy),
             accesses: [loads, share(work.shared, finer.shared), share(work.atomics, finer.atomic)],
             arithmetic: arithmetic.map(|part| part * idle.max(1.0)),
             misses: (share(moved, finer.loads_in(bound)?) - loads).max(0.0),
+            in_turn: self.in_turn,
         })
     }
 }
 
 impl Shares {
-    /// Loads and arithmetic at the device's rates.
-    fn work(&self, in_turn: bool) -> f64 {
-        let (accesses, arithmetic) = (self.accesses.iter().sum::<f64>(), self.arithmetic.iter().sum());
-        self.copy.max(if in_turn { accesses + arithmetic } else { accesses.max(arithmetic) })
+    /// Loads and arithmetic at the device's rates, and copies where those take longer; `further` is what loads take
+    /// beyond that.
+    fn work(&self, further: f64) -> f64 {
+        let (accesses, arithmetic) = (self.accesses.iter().sum::<f64>() + further, self.arithmetic.iter().sum());
+        self.copy.max(if self.in_turn { accesses + arithmetic } else { accesses.max(arithmetic) })
     }
 }
 
@@ -109,18 +113,18 @@ impl Bounds {
     ///
     /// Copies overlap with all else, so that either they count or the others, whichever take longer. Loads and
     /// arithmetic count both where they take turns. None takes more than what launches and barriers leave.
-    fn of(launches: f64, barriers: f64, shares: &Shares, in_turn: bool) -> Self {
+    fn of(launches: f64, barriers: f64, shares: &Shares) -> Self {
         let launches = launches.clamp(0.0, 1.0);
         let barriers = barriers.clamp(0.0, 1.0 - launches);
         let left = 1.0 - launches - barriers;
         let (work, accesses, arithmetic) =
-            (shares.work(in_turn), shares.accesses.iter().sum::<f64>(), shares.arithmetic.iter().sum::<f64>());
+            (shares.work(0.0), shares.accesses.iter().sum::<f64>(), shares.arithmetic.iter().sum::<f64>());
         let fits = if work > left { left / work } else { 1.0 };
         let counted = |counts: bool| if counts { fits } else { 0.0 };
         let copies = shares.copy >= work;
-        let loads = counted(!copies && (in_turn || accesses >= arithmetic));
-        let operations = counted(!copies && (in_turn || accesses < arithmetic));
-        let misses = shares.misses.min(left - fits * work).max(0.0);
+        let loads = counted(!copies && (shares.in_turn || accesses >= arithmetic));
+        let operations = counted(!copies && (shares.in_turn || accesses < arithmetic));
+        let misses = (shares.work(shares.misses) - work).min(left - fits * work).max(0.0);
         let [fma, exp, divide, integer] = shares.arithmetic.map(|part| operations * part);
         Self {
             copy: counted(copies) * shares.copy,
@@ -240,7 +244,7 @@ pub struct Why {
 pub fn why(scene: &Scene, device: &Device, settings: &Settings, found: &Profile) -> Result<Why> {
     let overheads = overheads(device, settings.seed)?;
     let finer = finer_rates(device)?;
-    let limits = found.rates.as_ref().zip(finer.as_ref()).map(|(rates, finer)| Limits::of(device, rates, finer));
+    let limits = found.rates.as_ref().zip(finer.as_ref()).and_then(|(rates, finer)| Limits::of(device, rates, finer));
     let fresh = device.with_statistics()?;
     let mut session = Session::new(scene, Some(&fresh), settings.options)?;
     let first = session.frame(Change::EVERYTHING)?;
@@ -321,8 +325,8 @@ fn bounds(row: &Row, counts: [usize; 2], overheads: &Overheads, limits: &Limits<
     let launches = cost(counts[0], overheads.dispatch.value);
     let barriers = cost(counts[1], overheads.barrier.value);
     let shares = limits.shares(row)?;
-    let model = ms * (launches + barriers + shares.work(limits.in_turn));
-    Some((Bounds::of(launches, barriers, &shares, limits.in_turn), model))
+    let model = ms * (launches + barriers + shares.work(0.0));
+    Some((Bounds::of(launches, barriers, &shares), model))
 }
 
 impl FrameParts {
@@ -360,36 +364,42 @@ mod tests {
     }
 
     /// The shares of work of a second, on a device that does 100 of most a second.
-    fn shares(work: Work) -> Shares {
+    fn shares(work: Work, in_turn: bool) -> Shares {
         let rates = Rates { copy: 1e9, fma: 100.0, exp: 100.0 };
         let loads = vec![(1000, 100.0), (1_000_000, 10.0)];
         let finer = FinerRates { integer: 100.0, divide: 100.0, loads, shared: 100.0, atomic: 100.0 };
-        Limits { rates: &rates, finer: &finer, lanes: 8, in_turn: false }.shares(&row(work, 1.0)).unwrap()
+        Limits { rates: &rates, finer: &finer, in_turn }.shares(&row(work, 1.0)).unwrap()
+    }
+
+    /// Work of a kernel in subgroups of 8, so many instructions of which compute no float.
+    fn of_eights(others: u64, instructions: u64, issued: u64) -> Work {
+        Work { others, instructions, issued, invocations: 80, subgroups: 10, ..Work::default() }
     }
 
     #[test]
     fn parts_are_the_whole_and_have_the_cause_s_name() {
-        let loop_of = |instructions: u64, issued: u64| Work { instructions, issued, ..Work::default() };
-        let chase = |read: u64| Work { loaded: 30, read, instructions: 8, issued: 1, ..Work::default() };
+        let chase = |read: u64| Work { loaded: 30, read, ..of_eights(8, 8, 1) };
+        let none = of_eights(0, 80, 10);
         for (launches, barriers, work, largest) in [
-            (0.1, 0.05, loop_of(80, 10), "integer"),
-            // One lane of eight is at work.
-            (0.1, 0.05, loop_of(10, 10), "integer"),
-            (0.1, 0.05, Work { flops: 120, exps: 10, instructions: 200, issued: 25, ..Work::default() }, "FMA"),
-            (0.1, 0.05, Work { exps: 60, instructions: 480, issued: 60, ..Work::default() }, "exp"),
-            (0.1, 0.05, Work { roots: 60, instructions: 480, issued: 60, ..Work::default() }, "divide"),
+            (0.1, 0.05, of_eights(80, 80, 10), "integer"),
+            // One lane of eight is active.
+            (0.1, 0.05, of_eights(10, 10, 10), "integer"),
+            (0.1, 0.05, Work { flops: 120, exps: 10, ..none }, "FMA"),
+            (0.1, 0.05, Work { exps: 60, ..none }, "exp"),
+            (0.1, 0.05, Work { roots: 60, ..none }, "divide"),
             (0.1, 0.05, Work { shared: 70, ..chase(20) }, "shared"),
-            (0.1, 0.05, Work { atomics: 70, ..chase(20) }, "atomics"),
-            (0.0, 0.0, Work { read: 1_400_000_000, loaded: 1, ..Work::default() }, "copy"),
+            // These load 1,120 bytes that are none of the loads'.
+            (0.1, 0.05, Work { atomics: 70, loaded: 580, ..chase(20) }, "atomics"),
+            (0.0, 0.0, Work { read: 1_400_000_000, loaded: 1, ..none }, "copy"),
             (0.1, 0.05, Work { loaded: 70, ..chase(20) }, "loads"),
             (0.1, 0.05, chase(20), "waits"),
             (0.1, 0.05, chase(1_000_000), "misses"),
-            (0.7, 0.9, loop_of(80, 10), "launches"),
+            (0.7, 0.9, of_eights(80, 80, 10), "launches"),
             (3.0, 1.0, Work { loaded: 1000, ..chase(20) }, "launches"),
-            (-0.1, -0.1, Work { exps: 90, instructions: 720, issued: 90, ..Work::default() }, "exp"),
+            (-0.1, -0.1, Work { exps: 90, ..none }, "exp"),
         ] {
             for in_turn in [false, true] {
-                let bounds = Bounds::of(launches, barriers, &shares(work), in_turn);
+                let bounds = Bounds::of(launches, barriers, &shares(work, in_turn));
                 let parts = bounds.parts();
                 assert!((parts.iter().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-12, "{bounds:?}");
                 assert!(parts.iter().all(|(_, share)| (-1e-12..=1.0).contains(share)), "{bounds:?}");
@@ -420,16 +430,31 @@ mod tests {
             let rates = Rates { copy: 4e6, fma: 4e6, exp: 2e6 };
             let loads = vec![(1 << 15, 4e6), (1 << 20, 4e5)];
             let finer = FinerRates { integer: 4e6, divide: 2e6, loads, shared: 2e5, atomic: 2e5 };
-            let limits = Limits { rates: &rates, finer: &finer, lanes: 1, in_turn: true };
+            let limits = Limits { rates: &rates, finer: &finer, in_turn: true };
             let a_second = limits.shares(&row(work, 1.0)).unwrap();
-            let shares = limits.shares(&row(work, a_second.work(true) + a_second.misses)).unwrap();
-            assert_eq!(Bounds::of(0.0, 0.0, &shares, true).largest(), largest, "{kernel}: {work:?} {shares:?}");
+            let shares = limits.shares(&row(work, a_second.work(a_second.misses))).unwrap();
+            assert_eq!(Bounds::of(0.0, 0.0, &shares).largest(), largest, "{kernel}: {work:?} {shares:?}");
         }
     }
 
     #[test]
     fn loads_and_arithmetic_add_up_where_they_take_turns() {
-        let both = shares(Work { loaded: 30, read: 20, instructions: 40, issued: 5, ..Work::default() });
-        assert_eq!([both.work(true), both.work(false)], [0.7, 0.4]);
+        let both = Work { loaded: 30, read: 1_000_000, ..of_eights(40, 40, 5) };
+        let [in_turn, at_once] = [true, false].map(|in_turn| shares(both, in_turn));
+        assert_eq!([in_turn.work(0.0), at_once.work(0.0)], [0.7, 0.4]);
+        // Misses count as far as loads take longer than arithmetic then.
+        assert_eq!(Bounds::of(0.0, 0.0, &Shares { misses: 0.2, ..at_once }).misses, 0.3 + 0.2 - 0.4);
+    }
+
+    #[test]
+    fn a_device_without_a_rate_has_no_bounds() {
+        let Some(device) = Device::best().unwrap() else { panic!("no Vulkan device") };
+        let rates = Rates { copy: 1.0, fma: 1.0, exp: 1.0 };
+        let finer = FinerRates { integer: 1.0, divide: 1.0, loads: vec![(1, 1.0)], shared: 1.0, atomic: 1.0 };
+        assert!(Limits::of(&device, &rates, &finer).is_some());
+        for lacking in [FinerRates { atomic: 0.0, ..finer.clone() }, FinerRates { loads: vec![(1, f64::NAN)], ..finer }]
+        {
+            assert!(Limits::of(&device, &rates, &lacking).is_none(), "{lacking:?}");
+        }
     }
 }

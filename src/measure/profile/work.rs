@@ -8,7 +8,7 @@ use super::agreement::agreement;
 use super::{Settings, result, variant};
 use crate::error::{Error, Result};
 use crate::gpu::count::{Tally, Traffic};
-use crate::gpu::{Device, Timed, Timing, numbered};
+use crate::gpu::{Device, Timed, Timing};
 use crate::layout::{BUFFER_IDS, BufferId};
 use crate::pipeline::frame::owner;
 use crate::pipeline::plan::{Change, Mode};
@@ -46,6 +46,11 @@ pub struct Work {
     /// Instructions that all invocations issue, estimated: one a number of arithmetic, integers included, eight a root,
     /// quotient or exponential, one for 16 bytes of a load or store.
     pub instructions: u64,
+    /// Those of them that compute no float.
+    #[serde(rename = "other_instructions")]
+    pub others: u64,
+    /// Subgroups of all dispatches.
+    pub subgroups: u64,
     /// Instructions that all subgroups issue, each once for those of its invocations that run it: `instructions` over
     /// this is how many lanes are at work.
     pub issued: u64,
@@ -79,14 +84,15 @@ pub(super) fn of(
     let Counted { session, tallies, .. } = counted(scene, device, settings, plain)?;
     let bound = bound(&session, settings)?;
     let mut stages: BTreeMap<String, Tally> = BTreeMap::new();
-    let mut named = Rows::of(&session);
     for (kernel, tally) in tallies {
-        if let Some(name) = named.name(&kernel) {
+        if let Some(name) = row_of(&session, &kernel, &tally) {
             stages.entry(name).or_default().add(&tally);
         }
     }
     let work = |(stage, tally): (String, Tally)| {
-        let most = |slot: BufferId| bound.get(&(stage.clone(), slot)).copied().unwrap_or_default();
+        // A dispatch binds at most what its kernel does.
+        let kernel = stage.split_once(" #").map_or(&*stage, |(kernel, _)| kernel);
+        let most = |slot: BufferId| bound.get(&(kernel.to_string(), slot)).copied().unwrap_or_default();
         let work = Work::new(&tally, most);
         (stage, work)
     };
@@ -99,8 +105,8 @@ pub(super) struct Counted {
     pub(super) session: Session,
     /// Its steps, or its kernels.
     pub(super) steps: Vec<Timing>,
-    /// What each of its dispatches has done, after the kernel's name.
-    pub(super) tallies: Vec<(String, Tally)>,
+    /// What each of its dispatches has done, after the kernel's name and that of the part that was timed with it.
+    pub(super) tallies: Vec<([String; 2], Tally)>,
 }
 
 /// Counts a frame of this scene, on a device with instrumented kernels; the result must be that of the session `plain`.
@@ -122,7 +128,7 @@ impl Work {
     /// The same but for chains, which are estimates, and for what depends on which invocations share a subgroup.
     #[must_use]
     pub fn counts(self) -> Self {
-        Self { issued: 0, longest_steps: 0, longest_loads: 0, longest_shared: 0, ..self }
+        Self { issued: 0, subgroups: 0, longest_steps: 0, longest_loads: 0, longest_shared: 0, ..self }
     }
 
     /// Invocations of a subgroup that are active, on average over the instructions that it issues.
@@ -139,6 +145,8 @@ impl Work {
             roots: tally.roots,
             exps: tally.exps,
             instructions: tally.instructions,
+            others: tally.others,
+            subgroups: tally.subgroups,
             issued: tally.issued,
             shared: tally.shared,
             atomics: tally.atomics,
@@ -175,42 +183,29 @@ fn same_work(counted: &mut Session, plain: &mut Session) -> Result<()> {
     same.map(drop).map_err(|_| Error::device(doing, "kernels that count give other values than those that don't"))
 }
 
-/// Names the rows that dispatches count for, in their order.
-pub(super) struct Rows {
-    timed: Timed,
-    /// How many dispatches of each kernel had a name.
-    numbered: BTreeMap<String, u32>,
+/// How a session's frames are timed.
+fn timed(session: &Session) -> Timed {
+    session.device().map_or(Timed::Steps, |device| device.choices().timed)
 }
 
-impl Rows {
-    pub(super) fn of(session: &Session) -> Self {
-        let timed = session.device().map_or(Timed::Steps, |device| device.choices().timed);
-        Self { timed, numbered: BTreeMap::new() }
-    }
-
-    /// The row of this kernel's next dispatch: its stage, the kernel or the dispatch itself; none if it is no stage's.
-    pub(super) fn name(&mut self, kernel: &str) -> Option<String> {
-        let stage = owner(kernel)?;
-        Some(match self.timed {
-            Timed::Steps => stage.name.to_string(),
-            Timed::Kernels => kernel.to_string(),
-            Timed::Dispatches => {
-                let number = self.numbered.entry(kernel.to_string()).or_default();
-                *number += 1;
-                numbered(kernel, *number)
-            }
-        })
+/// The row that a dispatch counts for, of this kernel and this timed part: its stage, the kernel or the dispatch itself.
+/// Dispatches that had to count together have none of their own, and neither has a kernel that is no stage's.
+pub(super) fn row_of(session: &Session, [kernel, part]: &[String; 2], tally: &Tally) -> Option<String> {
+    let stage = owner(kernel)?;
+    match timed(session) {
+        Timed::Steps => Some(stage.name.to_string()),
+        Timed::Kernels => Some(kernel.clone()),
+        Timed::Dispatches => (tally.dispatches == 1).then(|| part.clone()),
     }
 }
 
-/// Bytes of each buffer that a stage binds in a frame, overlapping ranges counted once.
+/// Bytes of each buffer that a stage or a kernel binds in a frame, overlapping ranges counted once.
 fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(String, BufferId), u64>> {
     let mut ranges: BTreeMap<(String, BufferId), BTreeSet<[u64; 2]>> = BTreeMap::new();
-    let mut named = Rows::of(session);
     for dispatch in session.dispatches(settings.change)? {
-        let Some(name) = named.name(&dispatch.kernel) else { continue };
         for bound in dispatch.bound(session.state())? {
-            ranges.entry((name.clone(), bound.slot)).or_default().insert(bound.range);
+            let name = if timed(session) == Timed::Steps { dispatch.stage } else { &dispatch.kernel };
+            ranges.entry((name.to_string(), bound.slot)).or_default().insert(bound.range);
         }
     }
     Ok(ranges.into_iter().map(|(key, ranges)| (key, union(ranges))).collect())

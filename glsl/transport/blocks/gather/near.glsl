@@ -1,5 +1,5 @@
-// A block's near triangles at each of its receivers. Each triangle's light is found by itself, then added in the list's
-// order: so teams of invocations may have a triangle each at once. The includer reads the buffers named here,
+// A block's near triangles at each of its receivers. Each run of NEAR_RUN triangles is summed by itself, then these
+// sums are, in their order: so teams of invocations may sum runs at once. The includer reads the buffers named here,
 // and says whether it has ERRORS; with ALONE it has no teams, with NO_SUMS it sums nothing here.
 #ifdef ALONE
 layout(local_size_x = GROUP_SIZE) in;
@@ -32,6 +32,8 @@ uint team() { return TEAMS == 1 ? 0 : gl_LocalInvocationIndex / BLOCK_RECEIVERS;
 bool stores(Receiver self) { return self.present && team() == 0; }
 
 #ifndef NO_SUMS
+const uint NEAR_RUN = 4; // triangles that are summed by themselves
+
 // The includer adds number `k` of the list to `sum` and `error`.
 void add(uint k);
 
@@ -44,24 +46,27 @@ void sum_near(uint begin, uint end, out vec3 all, out vec3 all_errors) {
     all_errors = vec3(0);
     if (TEAMS == 1) {
         for (uint k = begin; k < end; ++k) {
-            sum = vec3(0);
-            error = vec3(0);
             add(k);
-            all += sum;
-            all_errors += error;
+            if ((k - begin) % NEAR_RUN == NEAR_RUN - 1 || k + 1 == end) {
+                all += sum;
+                all_errors += error;
+                sum = vec3(0);
+                error = vec3(0);
+            }
         }
         return;
     }
     // The group has one block, so that all its invocations reach each barrier.
     uint self = gl_LocalInvocationIndex, slot = self % BLOCK_RECEIVERS;
-    for (uint at = begin; at < end; at += TEAMS) {
+    for (uint at = begin; at < end; at += TEAMS * NEAR_RUN) {
+        uint from = at + team() * NEAR_RUN, to = min(from + NEAR_RUN, end);
         sum = vec3(0);
         error = vec3(0);
-        if (at + team() < end) add(at + team());
+        for (uint k = from; k < to; ++k) add(k);
         sums[self] = sum;
         if (ERRORS) errors[self] = error;
         barrier();
-        for (uint k = 0; k < TEAMS && at + k < end; ++k) {
+        for (uint k = 0; k < TEAMS && at + k * NEAR_RUN < end; ++k) {
             all += sums[k * BLOCK_RECEIVERS + slot];
             if (ERRORS) all_errors += errors[k * BLOCK_RECEIVERS + slot];
         }
