@@ -30,7 +30,7 @@ impl DeviceState {
         let (first, rest) = rounds.split_at(rounds.len().min(1));
         let mut times = self.in_turn(state, step, others, (first, &kept))?;
         let round = times.iter().map(|time| time.milliseconds).sum::<f64>() * 1e-3;
-        let most = self.device().shows().map(|limit| (limit.as_secs_f64() / round).clamp(1.0, 1e4) as usize);
+        let most = self.device().shows().map(|limit| ((limit.as_secs_f64() / round) as usize).clamp(1, 10_000));
         for part in rest.chunks(most.unwrap_or(usize::MAX)) {
             times.extend(self.in_turn(state, step, others, (part, &kept))?);
         }

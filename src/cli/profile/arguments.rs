@@ -206,16 +206,22 @@ impl Arguments {
 
     /// Fails if the device has not what an option needs.
     pub(super) fn suits(&self, device: Option<&Device>) -> Result<()> {
-        let needs = [("--why", self.why), ("--as", self.model.is_some()), ("--roofline", self.roofline.is_some())];
+        let needs = [
+            ("--why", self.why),
+            ("--as", self.model.is_some()),
+            ("--roofline", self.roofline.is_some()),
+            ("--alternate", self.alternate.is_some()),
+        ];
+        let timed = [needs[2], needs[3]].into_iter().find(|(_, given)| *given);
         match (needs.iter().find(|(_, given)| *given), device) {
             (Some((key, _)), None) => {
                 let fault = Input::new("measures a Vulkan device").key(*key).found("the CPU");
                 Err(fault.expected("a device that `milkglass devices` lists").into())
             }
-            (Some(_), Some(device)) if self.roofline.is_some() && device.limits().timestamp_period <= 0.0 => {
-                let fault = Input::new("draws rates by the device's timestamps").key("--roofline");
+            (_, Some(device)) if device.limits().timestamp_period <= 0.0 => timed.map_or(Ok(()), |(key, _)| {
+                let fault = Input::new("goes by the device's timestamps").key(key);
                 Err(fault.found(format!("none of {}", device.name())).into())
-            }
+            }),
             _ => Ok(()),
         }
     }
