@@ -17,8 +17,8 @@ impl DeviceState {
     /// the same device. What the step updates is put back before each run, so that all find the same state. Returns the
     /// time of each run, in order.
     ///
-    /// The first round is a submission of its own; the others share one, or where the device may drive a display, as few
-    /// as its time limit allows.
+    /// The first round is a submission of its own; the others share one, or where the device may drive a display, as
+    /// few as its time limit allows.
     pub fn alternate(
         &mut self,
         state: &State,

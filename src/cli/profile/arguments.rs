@@ -39,8 +39,8 @@ pub struct Arguments {
     option_args: OptionArguments,
     #[command(flatten)]
     pub(super) replace: ReplaceArgument,
-    /// Time only this stage, whose kernel is replaced: its dispatches by both kernels in turn within a submission, where
-    /// noise is least.
+    /// Time only this stage, whose kernel is replaced: by both kernels in turn within a submission, where noise is
+    /// least.
     #[arg(long, value_name = "STAGE", requires = "replace", conflicts_with_all = ["compare", "against", "model", "serve"])]
     pub(super) alternate: Option<String>,
     #[command(flatten)]
