@@ -17,8 +17,8 @@ impl DeviceState {
     /// the same device. What the step updates is put back before each run, so that all find the same state. Returns the
     /// time of each run, in order.
     ///
-    /// The first round is a submission of its own; the others share one, or where the device may drive a display, as few
-    /// as its time limit allows.
+    /// The first round is a submission of its own; the others share one, or where the device may drive a display, as
+    /// few as its time limit allows.
     pub fn alternate(
         &mut self,
         state: &State,
@@ -30,7 +30,7 @@ impl DeviceState {
         let (first, rest) = rounds.split_at(rounds.len().min(1));
         let mut times = self.in_turn(state, step, others, (first, &kept))?;
         let round = times.iter().map(|time| time.milliseconds).sum::<f64>() * 1e-3;
-        let most = self.device().shows().map(|limit| (limit.as_secs_f64() / round).clamp(1.0, 1e4) as usize);
+        let most = self.device().shows().map(|limit| ((limit.as_secs_f64() / round) as usize).clamp(1, 10_000));
         for part in rest.chunks(most.unwrap_or(usize::MAX)) {
             times.extend(self.in_turn(state, step, others, (part, &kept))?);
         }

@@ -126,6 +126,7 @@ fn a_stage_in_turn_runs_in_the_frame_and_is_replaced() {
     bad(&here, &format!("{line} --change view"), 2, &words);
     bad(&here, &format!("profile {SMALL} --alternate gather"), 2, &["--replace <KERNEL=FILE>"]);
     bad(&here, &format!("{line} --as h100"), 2, &["--alternate", "--as"]);
+    bad(&here, &format!("{line} --device cpu"), 2, &["--alternate: measures a Vulkan device", "found the CPU"]);
 }
 
 #[cfg(feature = "shaderc")]

@@ -39,8 +39,8 @@ pub struct Arguments {
     option_args: OptionArguments,
     #[command(flatten)]
     pub(super) replace: ReplaceArgument,
-    /// Time only this stage, whose kernel is replaced: its dispatches by both kernels in turn within a submission, where
-    /// noise is least.
+    /// Time only this stage, whose kernel is replaced: by both kernels in turn within a submission, where noise is
+    /// least.
     #[arg(long, value_name = "STAGE", requires = "replace", conflicts_with_all = ["compare", "against", "model", "serve"])]
     pub(super) alternate: Option<String>,
     #[command(flatten)]
@@ -198,16 +198,22 @@ impl Arguments {
 
     /// Fails if the device has not what an option needs.
     pub(super) fn suits(&self, device: Option<&Device>) -> Result<()> {
-        let needs = [("--why", self.why), ("--as", self.model.is_some()), ("--roofline", self.roofline.is_some())];
+        let needs = [
+            ("--why", self.why),
+            ("--as", self.model.is_some()),
+            ("--roofline", self.roofline.is_some()),
+            ("--alternate", self.alternate.is_some()),
+        ];
+        let timed = [needs[2], needs[3]].into_iter().find(|(_, given)| *given);
         match (needs.iter().find(|(_, given)| *given), device) {
             (Some((key, _)), None) => {
                 let fault = Input::new("measures a Vulkan device").key(*key).found("the CPU");
                 Err(fault.expected("a device that `milkglass devices` lists").into())
             }
-            (Some(_), Some(device)) if self.roofline.is_some() && device.limits().timestamp_period <= 0.0 => {
-                let fault = Input::new("draws rates by the device's timestamps").key("--roofline");
+            (_, Some(device)) if device.limits().timestamp_period <= 0.0 => timed.map_or(Ok(()), |(key, _)| {
+                let fault = Input::new("goes by the device's timestamps").key(key);
                 Err(fault.found(format!("none of {}", device.name())).into())
-            }
+            }),
             _ => Ok(()),
         }
     }

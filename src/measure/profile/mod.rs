@@ -247,8 +247,7 @@ pub fn alternate(
         let mut frames = [Vec::new(), Vec::new()];
         for (which, steps) in rounds.iter().flatten().zip(runs).skip(2) {
             if !steps.iter().any(|step| step.milliseconds.is_finite()) {
-                let fault =
-                    Input::new("a frame does not run this stage on the device, with timestamps").key("--alternate");
+                let fault = Input::new("a frame does not run this stage on the device").key("--alternate");
                 let run: BTreeSet<&str> = session.dispatches(settings.change)?.iter().map(|call| call.stage).collect();
                 return Err(fault.found(stage).expected(run.into_iter().collect::<Vec<_>>().join(", ")).into());
             }

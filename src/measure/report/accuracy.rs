@@ -33,7 +33,7 @@ const COLUMNS: [(&str, &str); 18] = [
 
 /// Measures all presets and channels.
 pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
-    let effort = Effort { photons: bench.either(2_000, 40_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
+    let effort = Effort { photons: bench.either(1_000, 40_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
     page.say(&format!(
         "Numerical error: our radiosity against brute force in f64 over the same triangles, L2, worst channel, on a ball of {PATHS} \
          mean free paths in the sun. Model error: the dipole against the random walk of {} photons (--transport walk) with even scattering by \
