@@ -7,3 +7,8 @@ vec3 transmittance(vec3 eta, float cosine) {
     vec3 s = c + eta * inner, p = eta * c + inner;
     return min(vec3(1), 2.0 * eta * (c / s * (inner / s) + c / p * (inner / p)));
 }
+
+// The cosine to the eye of the facets that let light out of a surface, from that of the surface itself.
+float facet_cosine(float cosine, float tilt) {
+    return tilt > 0.0 ? sqrt(cosine * cosine * (1.0 - tilt) + tilt) : cosine;
+}

@@ -37,6 +37,7 @@ void main() {
     if (SKY == 0 || count > 0) light = lights[0];
     uint opaque = object_params[0].opaque;
     vec3 eta = object_params[0].eta, exits = object_params[0].exit, diffuse = object_params[0].diffuse, sigma_0 = object_params[0].sigma_0;
+    float tilt = object_params[0].facet_tilt;
     if (pixel >= view.width * view.height) return;
     Hit hit = hits[pixel];
     if (hit.face >= UNFINISHED) {
@@ -48,6 +49,7 @@ void main() {
         opaque = object_params[object].opaque;
         eta = object_params[object].eta;
         exits = object_params[object].exit;
+        tilt = object_params[object].facet_tilt;
         diffuse = object_params[object].diffuse;
         sigma_0 = object_params[object].sigma_0;
     }
@@ -84,7 +86,7 @@ void main() {
         sum += whole * mix(open / max(all, vec3(1e-30)), vec3(1), equal(open, all));
     }
     vec3 eye = view.origin - point;
-    float cosine = SEEN_COSINE(normal, eye, corner);
+    float cosine = facet_cosine(SEEN_COSINE(normal, eye, corner), tilt);
     vec3 leaves = transmittance(eta, cosine) * exits;
     radiance[pixel] = leaves * diffuse * sum * (view.radiance / 3.14159265358979);
 }

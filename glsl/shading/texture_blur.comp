@@ -58,7 +58,7 @@ void main() {
     vec3 normal = BLEND_AT(weight, placed_normals, corner);
     normal /= sqrt(max(dot(normal, normal), 1e-30));
     vec3 eye = camera[0].origin - point;
-    float cosine = SEEN_COSINE(normal, eye, corner);
+    float cosine = facet_cosine(SEEN_COSINE(normal, eye, corner), object_params[object].facet_tilt);
     vec3 leaves = transmittance(object_params[object].eta, cosine) * object_params[object].exit;
     radiance[pixel] = leaves * sum * (camera[0].radiance / 3.14159265358979);
 }

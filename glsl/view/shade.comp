@@ -38,7 +38,7 @@ void main() {
             if (object_params[object].by_pixel != 0) B = radiosity[object_params[object].first_receiver + seen[pixel]];
         }
         vec3 toward = camera[0].origin - point;
-        float cosine = SEEN_COSINE(normal, toward, corner);
+        float cosine = facet_cosine(SEEN_COSINE(normal, toward, corner), object_params[object].facet_tilt);
         color = transmittance(object_params[object].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) *
                 object_params[object].exit;
     }

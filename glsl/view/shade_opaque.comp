@@ -51,6 +51,7 @@ void main() {
     vec3 arrives = entering(object, pixel, point, normal);
     vec3 eye = camera[0].origin - point;
     float cosine = abs(dot(normal, eye)) / sqrt(max(dot(eye, eye), 1e-30));
+    cosine = facet_cosine(cosine, object_params[object].facet_tilt);
     vec3 leaves = transmittance(object_params[object].eta, cosine) * object_params[object].exit;
     radiance[pixel] = leaves * object_params[object].albedo * arrives * (camera[0].radiance / 3.14159265358979);
 }

@@ -12,7 +12,7 @@ pub struct BareArguments {
     /// A mesh alone: its material, as `milkglass materials` lists them.
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
-    /// A mesh alone: its largest extent in mm [default: 20].
+    /// A mesh alone: its largest extent in mm [default: 20; of skin 40].
     #[arg(long, value_name = "MM")]
     size_mm: Option<f64>,
     /// Samples per pixel, 1 to 64 [default: the scene's; for a mesh alone 8].

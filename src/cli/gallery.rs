@@ -1,6 +1,7 @@
 //! `milkglass gallery`: meshes in materials, as one page of pictures with the commands that make them.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
 
@@ -19,9 +20,14 @@ use milkglass::scene::{Preset, Studio, Wishes};
 /// Built-in shapes that are shown if no file is given.
 const SHAPES: [&str; 4] = ["bust", "lotus", "torus", "gecko"];
 
+/// The environment that is the studio's own.
+const STUDIO: &str = "studio";
+
 /// Arguments of `gallery`.
 #[derive(Args)]
-#[command(after_help = "Example: milkglass gallery bunny.obj -o gallery --materials marble,skin1")]
+#[command(
+    after_help = "Example: milkglass gallery bunny.obj -o gallery --materials marble,skin1 --environments studio,builtin:sky"
+)]
 pub struct Arguments {
     /// Meshes [default: four built-in shapes].
     #[arg(value_parser = super::paths::any_path())]
@@ -32,6 +38,9 @@ pub struct Arguments {
     /// Materials, as `milkglass materials` lists them.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "marble,skin1,potato,ketchup")]
     materials: Vec<String>,
+    /// Surroundings: `studio`, or images, `.exr` or `.hdr` files, or `builtin:sky`.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = STUDIO)]
+    environments: Vec<String>,
     /// Width and height of each picture, in pixels.
     #[arg(long, value_name = "WxH", default_value = "256x256")]
     size: String,
@@ -44,11 +53,22 @@ pub struct Arguments {
     memory: MemoryArgument,
 }
 
-/// A picture of the page: its file, what it shows, and the command that makes it.
+/// A picture of the page: its file, what it shows, the command that makes it, and how long that took.
 struct Shown {
-    file: String,
+    stem: String,
     material: String,
     command: String,
+    seconds: f64,
+    /// Its bytes, r g b row by row.
+    pixels: Vec<u8>,
+    /// Its scene file, where there is no mesh file.
+    scene: Option<String>,
+}
+
+/// A mesh in an environment: its pictures, one per material.
+struct Row {
+    name: String,
+    shown: Vec<Shown>,
 }
 
 /// Renders the pictures and writes the page.
@@ -58,61 +78,106 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let device = arguments.device.open(validation())?;
     let given = !arguments.files.is_empty();
     let meshes: Vec<String> = if given { arguments.files.clone() } else { SHAPES.map(str::to_owned).to_vec() };
-    let count = meshes.len() * arguments.materials.len();
-    let (mut files, mut rows) = (Vec::new(), Vec::new());
+    let count = meshes.len() * arguments.environments.len() * arguments.materials.len();
+    let mut rows: Vec<Row> = Vec::new();
     for (number, mesh) in meshes.iter().enumerate() {
-        let mut row = Vec::new();
-        for material in &arguments.materials {
-            let wishes = Wishes {
-                preset: Some(material.clone()),
-                samples: Some(arguments.samples),
-                pixels: Some(size),
-                ..Wishes::default()
-            };
-            let memory = || arguments.memory.files();
-            let studio = match given {
-                true => Studio::around(mesh, &[], 0.0, &memory(), wishes)?.ok_or_else(|| {
-                    Input::new("not a mesh alone").key("FILE").found(mesh).expected("a mesh: OBJ, PLY, STL or glTF")
-                })?,
-                false => Studio::around_shape(mesh, &memory(), wishes)?,
-            };
-            let first = row.is_empty();
-            studio.told.iter().skip(usize::from(!first)).for_each(|line| tell!("{line}"));
-            let scene = studio.scene(0.0, &[], 0.0, &memory())?;
-            let material = Preset::named(material).map_or(material.clone(), |preset| preset.name.to_lowercase());
-            let stem = format!(
-                "{}{}-{material}",
-                plain(&scene.name),
-                if given { format!("-{number}") } else { String::new() }
-            );
-            files.push((format!("{stem}.png"), picture(&scene, device.as_ref())?));
-            let command = if given {
-                let [width, height] = size;
-                let (mesh, samples) = (quoted(mesh), arguments.samples);
-                format!(
-                    "milkglass render {mesh} --preset {material} --size {width}x{height} --samples {samples} -o {stem}.png"
-                )
-            } else {
-                files.push((format!("{stem}.toml"), studio.toml().into_bytes()));
-                format!("milkglass render {stem}.toml -o {stem}.png")
-            };
-            row.push(Shown { file: format!("{stem}.png"), material, command });
-            tell!("{}/{count} {stem}", rows.len() * arguments.materials.len() + row.len());
+        for environment in &arguments.environments {
+            let name = Path::new(mesh).file_name().unwrap_or_default().to_string_lossy();
+            let mut row = Row { name: format!("{name}, {environment}"), shown: Vec::new() };
+            for material in &arguments.materials {
+                let number = given.then_some(number);
+                let first = row.shown.is_empty();
+                let shown = arguments.shown((number, mesh), environment, material, size, device.as_ref(), first)?;
+                let done = rows.len() * arguments.materials.len() + row.shown.len() + 1;
+                tell!("{done}/{count} {}: {:.1} s", shown.stem, shown.seconds);
+                row.shown.push(shown);
+            }
+            rows.push(row);
         }
-        rows.push((mesh.clone(), row));
+    }
+    let mut files = vec![("sheet.png".to_owned(), sheet(&rows, size)?)];
+    for shown in rows.iter().flat_map(|row| &row.shown) {
+        files.push((format!("{}.png", shown.stem), png(size, &shown.pixels)?));
+        files.extend(shown.scene.iter().map(|toml| (format!("{}.toml", shown.stem), toml.clone().into_bytes())));
     }
     folder.fill(&page(&rows, size), &files)?;
     print(&format!("{}\n", arguments.output.join(GALLERY.page).display()))
 }
 
-/// The scene's picture, as a PNG file's bytes.
-fn picture(scene: &milkglass::Scene, device: Option<&Device>) -> Result<Vec<u8>> {
+impl Arguments {
+    /// Renders a picture of a mesh file, by its number, or of a built-in shape. The `first` of a row says what the
+    /// studio assumed.
+    fn shown(
+        &self,
+        (number, mesh): (Option<usize>, &str),
+        environment: &str,
+        material: &str,
+        size: [u32; 2],
+        device: Option<&Device>,
+        first: bool,
+    ) -> Result<Shown> {
+        let start = Instant::now();
+        // A shape's scene file lies in another folder than the image.
+        let moves = number.is_none() && Path::new(environment).is_file();
+        let image = if moves { absolute(environment) } else { environment.to_owned() };
+        let image = (environment != STUDIO).then_some(image);
+        let (samples, pixels) = (Some(self.samples), Some(size));
+        let preset = Some(material.to_owned());
+        let wishes = Wishes { preset, samples, pixels, environment: image.clone(), ..Wishes::default() };
+        let memory = || self.memory.files();
+        let studio = match number {
+            Some(_) => Studio::around(mesh, &[], 0.0, &memory(), wishes)?.ok_or_else(|| {
+                Input::new("not a mesh alone").key("FILE").found(mesh).expected("a mesh: OBJ, PLY, STL or glTF")
+            })?,
+            None => Studio::around_shape(mesh, &memory(), wishes)?,
+        };
+        studio.told.iter().skip(usize::from(!first)).for_each(|line| tell!("{line}"));
+        let scene = studio.scene(0.0, &[], 0.0, &memory())?;
+        let material = Preset::named(material).map_or(material.to_owned(), |preset| preset.name.to_lowercase());
+        let number = number.map_or_else(String::new, |number| format!("-{number}"));
+        let around = image.as_ref().map_or_else(String::new, |_| format!("-{}", plain(environment)));
+        let stem = format!("{}{number}-{}{around}", plain(&scene.name), plain(&material));
+        let pixels = pixels_of(&scene, device)?;
+        let (command, scene) = if number.is_empty() {
+            (format!("milkglass render {stem}.toml -o {stem}.png"), Some(studio.toml()))
+        } else {
+            let ([width, height], samples, mesh) = (size, self.samples, quoted(mesh));
+            let around = image.map_or_else(String::new, |image| format!(" --environment {}", quoted(&image)));
+            let command = format!(
+                "milkglass render {mesh} --preset {}{around} --size {width}x{height} --samples {samples} -o {stem}.png",
+                quoted(&material)
+            );
+            (command, None)
+        };
+        Ok(Shown { stem, material, command, seconds: start.elapsed().as_secs_f64(), pixels, scene })
+    }
+}
+
+/// A path that holds in any folder.
+fn absolute(path: &str) -> String {
+    std::path::absolute(path).map_or_else(|_| path.to_owned(), |path| path.to_string_lossy().into_owned())
+}
+
+/// The scene's picture: its bytes, r g b row by row.
+fn pixels_of(scene: &milkglass::Scene, device: Option<&Device>) -> Result<Vec<u8>> {
     let mut session = open_session(scene, device, Options::default())?;
     run_frame(&mut session, Change::EVERYTHING)?;
     session.sample()?;
     let bytes = session.shown()?;
     check_messages(device)?;
-    png(scene.camera.size, &bytes)
+    Ok(bytes)
+}
+
+/// All pictures beside each other, as a PNG file: a row for each mesh and environment, a column for each material.
+fn sheet(rows: &[Row], [width, height]: [u32; 2]) -> Result<Vec<u8>> {
+    let (line, mut bytes) = (3 * width as usize, Vec::new());
+    for row in rows {
+        for y in 0..height as usize {
+            row.shown.iter().for_each(|shown| bytes.extend_from_slice(&shown.pixels[y * line..][..line]));
+        }
+    }
+    let columns = rows.first().map_or(0, |row| row.shown.len()) as u32;
+    png([columns * width, rows.len() as u32 * height], &bytes)
 }
 
 /// A name in which `-` replaces everything but letters, digits, `-` and `_`.
@@ -121,7 +186,7 @@ fn plain(name: &str) -> String {
 }
 
 /// The page.
-fn page(rows: &[(String, Vec<Shown>)], [width, height]: [u32; 2]) -> String {
+fn page(rows: &[Row], [width, height]: [u32; 2]) -> String {
     let mut text = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"generator\" {}>\n\
          <title>milkglass gallery</title>\n<style>body{{background:#222;color:#ddd;font:15px sans-serif;margin:2em}}\
@@ -129,14 +194,13 @@ fn page(rows: &[(String, Vec<Shown>)], [width, height]: [u32; 2]) -> String {
          code{{font-size:11px;color:#aaa;overflow-wrap:anywhere}}</style></head><body>\n<h1>milkglass gallery</h1>\n",
         GALLERY.mark
     );
-    for (mesh, row) in rows {
-        let name = Path::new(mesh).file_name().unwrap_or_default().to_string_lossy();
-        text += &format!("<h2>{}</h2>\n<div>\n", escape(&name));
-        for Shown { file, material, command } in row {
-            let [file, material, command] = [file, material, command].map(|words| escape(words));
+    for Row { name, shown } in rows {
+        text += &format!("<h2>{}</h2>\n<div>\n", escape(name));
+        for Shown { stem, material, command, seconds, .. } in shown {
+            let [material, command] = [material, command].map(|words| escape(words));
             text += &format!(
-                "<figure><img src=\"{file}\" alt=\"{material}\" width=\"{width}\" height=\"{height}\">\
-                 <figcaption>{material}<br><code>{command}</code></figcaption></figure>\n"
+                "<figure><img src=\"{stem}.png\" alt=\"{material}\" width=\"{width}\" height=\"{height}\">\
+                 <figcaption>{material}, {seconds:.1} s<br><code>{command}</code></figcaption></figure>\n"
             );
         }
         text += "</div>\n";

@@ -25,7 +25,7 @@ use milkglass::internals::view::picture::{check, encode};
 
 /// Arguments of `render`.
 #[derive(Args)]
-#[command(after_help = "Example: milkglass render lotus -o lotus.png --size 800x600 --set camera.exposure=1.5")]
+#[command(after_help = "Example: milkglass render lotus -o lotus.png --size 800x600 --set camera.exposure=3")]
 pub struct Arguments {
     #[command(flatten)]
     picture: PictureArguments,

@@ -140,8 +140,10 @@ records! { frame_records:
         second_roughness: f32,
         /// Share of the second lobe in the reflection, 0 to 1: 0 where there is one lobe.
         second_share: f32,
+        /// The square of the cosine at which facets of a surface that is seen edge-on are seen; 0 of a smooth surface.
+        facet_tilt: f32,
         /// Unused.
-        padding: [u32; 3],
+        padding: [u32; 2],
         /// Unused.
         last_padding: u32,
         /// Joints that each of its vertices follows; 0 if it follows none.

@@ -59,11 +59,30 @@ pub fn diffuse_external_exact(eta: f64) -> f64 {
     }
 }
 
-/// `1 / (1 - F_ext)`, at least 1: the factor that leaving light lacks if each direction gets its transmittance of it,
-/// because the directional transmittances average to `1 - F_ext`. `eta`: index inside over outside, positive.
+/// The square of the cosine at which facets of GGX's distribution are seen where the surface is seen edge-on: a fit.
 #[must_use]
-pub fn exit(eta: f64) -> f64 {
-    1.0 / (1.0 - diffuse_external_exact(eta))
+pub fn facet_tilt(alpha: f64) -> f64 {
+    (2.0 * alpha / (1.0 + 3.0 * alpha)).powi(2)
+}
+
+/// The cosine to the eye of the facets that let light out of a surface, from the cosine of the surface itself. Their
+/// [`transmittance`] is within 0.03 of the mean over the facets that the eye sees, for alpha from 0.05 to 0.6.
+#[must_use]
+pub fn facet_cosine(cosine: f64, tilt: f64) -> f64 {
+    if tilt > 0.0 { (cosine * cosine * (1.0 - tilt) + tilt).sqrt() } else { cosine }
+}
+
+/// At least 1: the factor that leaving light lacks if each direction gets its transmittance of it. For a smooth surface
+/// `1 / (1 - F_ext)`, because its directional transmittances average to `1 - F_ext`. `eta`: index inside over outside,
+/// positive.
+#[must_use]
+pub fn exit(eta: f64, tilt: f64) -> f64 {
+    if tilt == 0.0 {
+        return 1.0 / (1.0 - diffuse_external_exact(eta));
+    }
+    let steps = 1024;
+    let square = |k: u32| (f64::from(k) + 0.5) / f64::from(steps);
+    f64::from(steps) / (0..steps).map(|k| transmittance(eta, facet_cosine(square(k).sqrt(), tilt))).sum::<f64>()
 }
 
 /// The paper's `F_dr`: diffuse internal reflectance as a polynomial in the index.
@@ -141,6 +160,38 @@ mod tests {
         assert!(((above - below) / above - 1e-9).abs() < 1e-9);
         assert_eq!(diffuse_internal_exact(1.0), 0.0);
         assert_eq!(boundary(diffuse_internal_exact(1.0)), 1.0);
+    }
+
+    /// The transmittance of GGX's facets, each by how large the eye sees it, by quadrature over their distribution.
+    fn through_facets(eta: f64, alpha: f64, cosine: f64) -> f64 {
+        let (steps, turns) = (400, 200);
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for k in 0..steps * turns {
+            // Of equal shares of the facets' area in the plane, D cos.
+            let share = (f64::from(k / turns) + 0.5) / f64::from(steps);
+            let turn = std::f64::consts::TAU * f64::from(k % turns) / f64::from(turns);
+            let tangent = alpha * (share / (1.0 - share)).sqrt();
+            // (o.h) / (n.h)
+            let seen = (cosine + (1.0 - cosine * cosine).sqrt() * tangent * turn.cos()).max(0.0);
+            sum += seen * transmittance(eta, seen / tangent.hypot(1.0));
+            whole += seen;
+        }
+        sum / whole
+    }
+
+    #[test]
+    fn light_leaves_a_rough_surface_through_the_facets_that_the_eye_sees() {
+        for eta in [1.3, 1.5] {
+            for alpha in [0.05, 0.1, 0.3, 0.6] {
+                for cosine in [0.05, 0.1, 0.2, 0.5, 1.0] {
+                    let found = transmittance(eta, facet_cosine(cosine, facet_tilt(alpha)));
+                    let exact = through_facets(eta, alpha, cosine);
+                    assert!((found - exact).abs() < 0.03, "{eta}, {alpha}, {cosine}: {found} {exact}");
+                }
+            }
+        }
+        assert!(through_facets(1.5, 0.3, 0.05) > 0.8 && transmittance(1.5, 0.05) < 0.26);
+        assert_eq!([0.3, 1.0].map(|cosine| facet_cosine(cosine, facet_tilt(0.0))), [0.3, 1.0]);
     }
 
     #[test]

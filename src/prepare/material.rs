@@ -41,6 +41,14 @@ pub(super) fn coefficients(params: &mut ObjectParams, material: &Material, units
         }
     };
     let [roughness, second_roughness, second_share] = lobes.map(|x| x as f32);
+    let facet_tilt = match material.surface.reflection {
+        Reflection::Ggx { roughness, second_roughness, second_share } => {
+            let [first, second] = [roughness, second_roughness].map(fresnel::facet_tilt);
+            first + second_share * (second - first)
+        }
+        _ => 0.0,
+    };
+    let exit = |eta: f64| if material.surface.normalize_exit { fresnel::exit(eta, facet_tilt) as f32 } else { 1.0 };
     let diffuse = shading::diffuse(material, dipoles.as_ref());
     let bent = matches!(local, Some(Local::Closed | Local::Table(_))) && material.opaque.is_none();
     let sigma_0 = if bent { shading::sigma_0(material) } else { [0.0; 3] };
@@ -57,7 +65,8 @@ pub(super) fn coefficients(params: &mut ObjectParams, material: &Material, units
         roughness,
         second_roughness,
         second_share,
-        exit: material.eta.map(|eta| if material.surface.normalize_exit { fresnel::exit(eta) as f32 } else { 1.0 }),
+        facet_tilt: facet_tilt as f32,
+        exit: material.eta.map(exit),
         two_sided: u32::from(material.two_sided),
         zonal_0: degree(0),
         zonal_1: degree(1),
@@ -98,6 +107,7 @@ pub(crate) fn change(state: &mut State, number: usize, material: &Material, unit
         roughness: after.roughness,
         second_roughness: after.second_roughness,
         second_share: after.second_share,
+        facet_tilt: after.facet_tilt,
         exit: after.exit,
         ..before
     };

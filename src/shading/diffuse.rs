@@ -86,6 +86,7 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, be
     let sigma = if bends { kappa * sigma_0(data, params, hit.face as usize, weight) } else { DVec3::ZERO };
     let sum = received(state, hit.face as usize, [point, normal], sigma, response);
     let cosine = seen_cosine(normal, wide(camera.origin) - point, corners.map(|v| data.in_scene()[v as usize]));
+    let cosine = fresnel::facet_cosine(cosine, params.facet_tilt.into());
     let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), cosine));
     let scale = f64::from(camera.radiance) / std::f64::consts::PI;
     narrow(DVec3::from_array(leaves) * wide(params.exit) * wide(params.diffuse) * sum * scale)

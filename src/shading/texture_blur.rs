@@ -66,6 +66,7 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3]) -> [f32; 3] {
     };
     let places = corners.map(|v| data.in_scene()[v as usize]);
     let cosine = seen_cosine(mix(data.normals_in_scene()), wide(camera.origin) - mix(data.in_scene()), places);
+    let cosine = fresnel::facet_cosine(cosine, params.facet_tilt.into());
     let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), cosine));
     let scale = f64::from(camera.radiance) / std::f64::consts::PI;
     narrow(DVec3::from_array(leaves) * wide(params.exit) * sum * scale)

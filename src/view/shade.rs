@@ -50,7 +50,8 @@ fn cpu(state: &mut State, _at: Scope) {
             let cosine = seen_cosine(mix(data.normals_in_scene()), toward, places);
             let params = &data.object_params[state.object_of(hit.face as usize)];
             let (eta, exit) = (params.eta.map(f64::from), wide(params.exit));
-            let leaves = eta.map(|eta| fresnel::transmittance(eta, cosine));
+            let facets = fresnel::facet_cosine(cosine, params.facet_tilt.into());
+            let leaves = eta.map(|eta| fresnel::transmittance(eta, facets));
             let scale = f64::from(camera.radiance) / std::f64::consts::PI;
             let radiosity = match params.by_pixel {
                 0 => mix(&data.vertex_radiosity),

@@ -47,7 +47,8 @@ fn radiance(state: &State, pixel: usize, hit: &Hit) -> Option<[f32; 3]> {
     let reaches = |light: &Light| reaches_pixel(data, light, pixel);
     let arrives = entering(data, params, [point, normal], (&lights, SkyRays::ByCosine), &reaches);
     let toward = (wide(camera.origin) - point).normalize_or_zero();
-    let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), normal.dot(toward).abs()));
+    let cosine = fresnel::facet_cosine(normal.dot(toward).abs(), params.facet_tilt.into());
+    let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), cosine));
     let scale = f64::from(camera.radiance) / std::f64::consts::PI;
     Some(narrow(DVec3::from_array(leaves) * wide(params.albedo) * arrives * scale * wide(params.exit)))
 }

@@ -262,23 +262,38 @@ fn wrong_flags_are_named() {
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_gallery_repeats_itself() {
-    let here = folder(&[("sheet.obj", &sheet())]);
-    good(&here, "gallery sheet.obj -o g --materials skin1,marble --size 24x24 --samples 2");
-    assert_eq!(names(&here.path().join("g")), ["index.html", "sheet-0-marble.png", "sheet-0-skin1.png"]);
+    let grey = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n@@@\u{7f}@@@\u{7f}";
+    let here = folder(&[("sheet.obj", &sheet()), ("grey.hdr", grey)]);
+    let environments = "--environments studio,grey.hdr";
+    good(&here, &format!("gallery sheet.obj -o g --materials skin1,marble {environments} --size 24x24 --samples 2"));
+    let stems = ["sheet-0-skin1", "sheet-0-marble", "sheet-0-skin1-grey-hdr", "sheet-0-marble-grey-hdr"];
+    let pictures = stems.map(|stem| format!("{stem}.png"));
+    let mut all = [&["index.html".to_owned(), "sheet.png".to_owned()], &pictures[..]].concat();
+    all.sort();
+    assert_eq!(names(&here.path().join("g")), all);
     let page = read(&here, "g/index.html");
     let commands: Vec<&str> =
         page.split("<code>milkglass ").skip(1).filter_map(|part| part.split('<').next()).collect();
-    assert_eq!(commands.len(), 2, "{page}");
-    for (command, picture) in commands.iter().zip(["sheet-0-skin1.png", "sheet-0-marble.png"]) {
+    assert!(commands.len() == 4 && page.matches(" s<br>").count() == 4, "{page}");
+    let of_sheet = pixels(&here.path().join("g/sheet.png")).into_raw();
+    for (number, (command, picture)) in commands.iter().zip(pictures).enumerate() {
         good(&here, command);
-        assert!(pixels(&here.path().join(picture)) == pixels(&here.path().join("g").join(picture)), "{command}");
+        let alone = pixels(&here.path().join(&picture));
+        assert!(alone == pixels(&here.path().join("g").join(picture)), "{command}");
+        // On the sheet each has its place: of 2 in a row, 24 x 24.
+        for (y, line) in alone.chunks(3 * 24).enumerate() {
+            let start = 3 * (48 * (24 * (number / 2) + y) + 24 * (number % 2));
+            assert!(of_sheet[start..][..3 * 24] == *line, "{command}: row {y} of the sheet");
+        }
     }
 
     // Built-in shapes come with scene files.
-    good(&here, "gallery -o shapes --materials marble --size 16x16 --samples 1");
+    good(&here, &format!("gallery -o shapes --materials marble {environments} --size 16x16 --samples 1"));
     let shapes = folder(&[]);
-    let scene = here.path().join("shapes/torus-marble.toml");
-    let output = program(&shapes, &format!("render {} -o t.png", scene.display())).output().unwrap();
-    assert!(output.status.success(), "{:?}", said(&output));
-    assert!(pixels(&shapes.path().join("t.png")) == pixels(&here.path().join("shapes/torus-marble.png")));
+    for stem in ["torus-marble", "torus-marble-grey-hdr"] {
+        let scene = here.path().join(format!("shapes/{stem}.toml"));
+        let output = program(&shapes, &format!("render {} -o t.png", scene.display())).output().unwrap();
+        assert!(output.status.success(), "{:?}", said(&output));
+        assert!(pixels(&shapes.path().join("t.png")) == pixels(&here.path().join(format!("shapes/{stem}.png"))));
+    }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 use crate::shell::{bad, bytes, folder, good, read};
-use milkglass::internals::lighting::fresnel::transmittance;
+use milkglass::internals::lighting::fresnel::{facet_cosine, facet_tilt, transmittance};
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::session::antialiasing::picture;
 use milkglass::internals::session::run::Session;
@@ -35,6 +35,51 @@ fn all_light_leaves_where_the_exit_is_normalised() {
     let (paper, whole) = (paper.picture().unwrap().pixels, whole.picture().unwrap().pixels);
     for ((a, b), _) in paper.iter().zip(&whole).zip(shown).filter(|(_, shown)| *shown) {
         assert!((0..3).all(|c| (f64::from(a[c]) * exit[c] - f64::from(b[c])).abs() <= 1e-6 * f64::from(b[c])));
+    }
+}
+
+/// The cosine between the interpolated normal and the eye where a pixel shows a face.
+fn seen_cosine(session: &Session, pixel: usize) -> Option<f64> {
+    let data = &session.state().data;
+    let (hit, eye) = (data.hits[pixel], glam::Vec3::from(data.camera[0].origin).as_dvec3());
+    let corners = data.triangles.get(hit.face as usize)?;
+    let mix = |of: &[[f32; 3]]| -> DVec3 {
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        corners.iter().zip(weights).map(|(&v, weight)| (glam::Vec3::from(of[v as usize]) * weight).as_dvec3()).sum()
+    };
+    Some(mix(&data.normals).normalize().dot((eye - mix(&data.positions)).normalize()))
+}
+
+/// Seen from where no light is reflected to.
+#[test]
+fn light_leaves_a_rough_surface_through_its_facets() {
+    let behind = "light.0={ type = 'directional', direction = [0, 0, -1], irradiance = 30 }";
+    let common = [behind, "object.0.detail=3", "camera.position=[0, 0, 30]", "camera.target=[0, 0, 0]"];
+    let common = [&common[..], &["object.0.material.normalize_exit=true"]].concat();
+    let rough = ["object.0.material.reflection=ggx", "object.0.material.roughness=0.3"];
+    let oily = ["object.0.material.second_roughness=0.1", "object.0.material.second_share=0.25"];
+    let mut smooth = session(&common);
+    for (lobes, tilt) in [(&[][..], facet_tilt(0.3)), (&oily, 0.75 * facet_tilt(0.3) + 0.25 * facet_tilt(0.1))] {
+        let mut rough = session(&[&common[..], &rough, lobes].concat());
+        let exits = [&smooth, &rough].map(|session| f64::from(session.state().data.object_params[0].exit[0]));
+        // What leaves is as bright as B says: L cos over the hemisphere, for B = 1.
+        let steps = 20_000;
+        let at = |i: u32| (f64::from(i) + 0.5) / f64::from(steps);
+        let leaves = |i: u32| 2.0 * at(i) * transmittance(1.5, facet_cosine(at(i), tilt)) * exits[1];
+        let sum = (0..steps).map(leaves).sum::<f64>() / f64::from(steps);
+        assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+
+        let (before, after) = (smooth.picture().unwrap().pixels, rough.picture().unwrap().pixels);
+        let mut compared = 0;
+        for pixel in 0..before.len() {
+            let Some(cosine) = seen_cosine(&smooth, pixel).filter(|&cosine| cosine > 0.21) else { continue };
+            let factor = transmittance(1.5, facet_cosine(cosine, tilt)) / transmittance(1.5, cosine);
+            let expected = f64::from(before[pixel][0]) * factor * exits[1] / exits[0];
+            let found = f64::from(after[pixel][0]);
+            assert!(found > 0.0 && (found / expected - 1.0).abs() < 1e-4, "{cosine}: {found} {expected}");
+            compared += 1;
+        }
+        assert!(compared > 100, "{compared}");
     }
 }
 
@@ -191,10 +236,11 @@ fn further_samples_bring_a_reflection_nearer_to_its_mean() {
 fn a_highlight_stands_where_the_sun_is_mirrored_and_not_in_shadow() {
     // The sun behind the camera, a little above; then on the other side of the ball.
     let sun = |direction: &str| format!("light.0.direction={direction}");
-    let looks = ["camera.position=[0, 0, 45]", "object.0.size=20", "object.0.material.reflection=ggx"];
+    let black = "object.0.material={ opaque = true, albedo = 0 }";
+    let looks = ["camera.position=[0, 0, 45]", "object.0.size=20", black, "object.0.material.reflection=ggx"];
     let gain = |direction: &str| {
         let sun = sun(direction);
-        let bare = session(&[&looks[..2], &[sun.as_str()]].concat()).picture().unwrap().pixels;
+        let bare = session(&[&looks[..3], &[sun.as_str()]].concat()).picture().unwrap().pixels;
         let shiny = session(&[&looks[..], &[sun.as_str()]].concat()).picture().unwrap().pixels;
         bare.iter().zip(&shiny).map(|(a, b)| b[1] - a[1]).collect::<Vec<_>>()
     };
@@ -239,7 +285,7 @@ fn a_transparent_picture_before_any_background_is_the_picture_with_it() {
 #[test]
 fn a_reflection_in_two_lobes_is_the_mean_of_both() {
     let pixels = |lobes: &str| {
-        let look = format!("object.0.material={{ preset = 'skin1', reflection = 'ggx', {lobes} }}");
+        let look = format!("object.0.material={{ opaque = true, albedo = 0, eta = 1.3, reflection = 'ggx', {lobes} }}");
         session(&["light.0.direction=[0.2, 0.6, 1]", &look]).picture().unwrap().pixels
     };
     let both = pixels("roughness = 0.45, second_roughness = 0.25, second_share = 0.3");

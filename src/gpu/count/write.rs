@@ -19,8 +19,8 @@ pub(super) struct Counters {
     variable: u32,
     /// The constant 0; `zero + n` is the constant n, up to the largest that was asked for.
     zero: u32,
-    /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain), what its
-    /// subgroup has issued where it was elected, and whether it was where the kernel begins.
+    /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain), what
+    /// its subgroup has issued where it was elected, and whether it was where the kernel begins.
     own: [u32; CHAIN + 2],
     /// Whether the module may have [`Op::GroupNonUniformElect`]: from version 1.3 on.
     elects: bool,

@@ -42,6 +42,9 @@ pub struct Wishes {
     pub environment: Option<String>,
 }
 
+/// The default extent of a mesh of skin, mm. Red light passes through 20 mm of it as through a lampshade.
+const SKIN: f64 = 40.0;
+
 impl Wishes {
     /// Returns an error for an unknown preset, a size out of range, or a camera below the table.
     fn check(&self) -> Checked<()> {
@@ -123,11 +126,7 @@ impl Studio {
         }
         look(&mut table, wishes.preset.as_deref());
         let mut as_it_is = scene_of(&text, &table, &sets, frame, files)?;
-        if let Some(size) = wishes.size_mm {
-            if let Some(set) = sets.iter().find(|set| set.contains(".size")) {
-                let fault = Input::new("gives the size a second time").key("--size-mm").found(format!("--set {set}"));
-                return Err(fault.expected("one of them").into());
-            }
+        if let Some(size) = size_mm(&wishes, &sets, &text.file)? {
             let (low, high) = as_it_is.bounds();
             let factor = size / ((high - low).max_element() * as_it_is.unit_mm).max(1e-12);
             objects(&mut table, |object| enlarge(object, factor));
@@ -209,6 +208,22 @@ impl Studio {
             all.push(lights::ground(&pose));
         }
         table
+    }
+}
+
+/// The largest extent that is asked for, or else that of skin, mm; none where the mesh's own or a setting's counts.
+fn size_mm(wishes: &Wishes, sets: &[String], file: &Path) -> Checked<Option<f64>> {
+    let set = sets.iter().find(|set| set.trim_start().starts_with("object.") && set.contains(".size"));
+    match (wishes.size_mm, set) {
+        (Some(_), Some(set)) => {
+            let fault = Input::new("gives the size a second time").key("--size-mm").found(format!("--set {set}"));
+            Err(fault.expected("one of them"))
+        }
+        (None, None) if !is_gltf(file) => {
+            let preset = wishes.preset.as_deref().and_then(Preset::named);
+            Ok(preset.filter(|preset| preset.name.starts_with("Skin")).map(|_| SKIN))
+        }
+        (size, _) => Ok(size),
     }
 }
 

@@ -52,6 +52,18 @@ fn a_mesh_stands_on_its_feet() {
 }
 
 #[test]
+fn skin_is_larger_unless_a_size_is_given() {
+    let cases = [("marble", None, "", 20), ("skin1", None, "", 40), ("Skin 2", None, "camera.size=[9, 9]", 40)];
+    let given = [("skin1", Some(30.0), "camera.size=[9, 9]", 30), ("skin1", None, "object.0.size=25", 25)];
+    for (preset, size_mm, set, extent) in cases.into_iter().chain(given) {
+        let sets: Vec<&str> = Some(set).into_iter().filter(|set| !set.is_empty()).collect();
+        let wishes = Wishes { preset: Some(preset.into()), size_mm, ..Wishes::default() };
+        let (_folder, made) = studio(&table(1, 2.0), &sets, wishes);
+        assert!(made.told[0].contains(&format!(", {extent} mm (--size-mm)")), "{preset}, {set}: {:?}", made.told);
+    }
+}
+
+#[test]
 fn the_camera_sees_all_of_the_broad_side() {
     for (ground, turn, pixels) in [(false, 0.0, [100, 100]), (true, 120.0, [300, 100])] {
         let wishes = Wishes { ground, pixels: Some(pixels), ..Wishes::default() };
