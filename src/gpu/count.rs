@@ -42,8 +42,8 @@ pub(super) struct Counted {
 }
 
 impl Counted {
-    /// Words of a dispatch's counters: two a block, the lower one first, those of the longest [`Chain`], and two each of
-    /// what subgroups issue and of how many there are.
+    /// Words of a dispatch's counters: two a block, the lower one first, those of the longest [`Chain`], and two each
+    /// of what subgroups issue and of how many there are.
     pub(super) fn counters(blocks: &[Block]) -> usize {
         2 * blocks.len() + CHAIN + 4
     }
