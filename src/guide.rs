@@ -21,7 +21,7 @@
 //! | [Performance](performance) | profiles, your own kernels, tuning |
 //! | [Varying the API](api) | what a choice of Vulkan costs: descriptors, barriers, submissions, groups and more |
 //! | [Why it is slow](bottlenecks) | what bounds each stage; the cost of dispatches, barriers, submissions, compiling |
-//! | [Compilers of GPUs](compilers) | registers, spills and cycles of each kernel by compilers of GPUs that are not here |
+//! | [Compilers of GPUs](compilers) | registers, spills and cycles of kernels on GPUs that are not here |
 //! | [Experiments](experiments) | another oracle in one file of GLSL, another use of Vulkan: from file to figure |
 //! | [Robustness](robustness) | limits, promises and the tests that verify them |
 //! | [As a library](library) | the Rust API |

@@ -102,8 +102,8 @@ impl Kernel {
         Ok(kernel)
     }
 
-    /// What each dispatch has done since the last call, after its number among all dispatches that count, and the part of
-    /// the work that was timed with it; none if it does not count.
+    /// What each dispatch has done since the last call, after its number among all dispatches that count, and the part
+    /// of the work that was timed with it; none if it does not count.
     pub(in super::super) fn tallies(&self) -> Result<Vec<((u64, String), Tally)>> {
         self.meter.as_ref().map_or(Ok(Vec::new()), Meter::read)
     }

@@ -109,7 +109,7 @@ impl Shares {
 }
 
 impl Bounds {
-    /// The parts of a stage's time, from the shares of it that launches and barriers take, and what its work would take.
+    /// The parts of a stage's time, from the shares of it that launches and barriers take and what its work would.
     ///
     /// Copies overlap with all else, so that either they count or the others, whichever take longer. Loads and
     /// arithmetic count both where they take turns. None takes more than what launches and barriers leave.

@@ -188,7 +188,7 @@ fn timed(session: &Session) -> Timed {
     session.device().map_or(Timed::Steps, |device| device.choices().timed)
 }
 
-/// The row that a dispatch counts for, of this kernel and this timed part: its stage, the kernel or the dispatch itself.
+/// The row that a dispatch of this kernel and this timed part counts for: its stage, the kernel or the dispatch itself.
 /// Dispatches that had to count together have none of their own, and neither has a kernel that is no stage's.
 pub(super) fn row_of(session: &Session, [kernel, part]: &[String; 2], tally: &Tally) -> Option<String> {
     let stage = owner(kernel)?;
