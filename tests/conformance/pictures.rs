@@ -1,7 +1,7 @@
 //! The built-in scenes against small reference pictures, compared as an eye would: slightly blurred, in CIE Lab.
 //!
-//! After an intended change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`; see also `MORE`
-//! and `LARGE`.
+//! After an intended change of look: `milkglass render NAME --size 240x240 --set camera.samples=1 -o
+//! tests/pictures/NAME.png`; see also `MORE` and `LARGE`.
 
 use std::path::Path;
 
