@@ -1,5 +1,6 @@
 //! `milkglass gallery`: meshes in materials, as one page of pictures with the commands that make them.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -75,19 +76,21 @@ struct Row {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let size = parse_size(&arguments.size)?;
     let folder = Folder::open(&arguments.output, &GALLERY, "-o")?;
-    let device = arguments.device.open(validation())?;
     let given = !arguments.files.is_empty();
     let meshes: Vec<String> = if given { arguments.files.clone() } else { SHAPES.map(str::to_owned).to_vec() };
+    arguments.check()?;
+    let device = arguments.device.open(validation())?;
     let count = meshes.len() * arguments.environments.len() * arguments.materials.len();
     let mut rows: Vec<Row> = Vec::new();
     for (number, mesh) in meshes.iter().enumerate() {
-        for environment in &arguments.environments {
+        for (around, environment) in arguments.environments.iter().enumerate() {
             let name = Path::new(mesh).file_name().unwrap_or_default().to_string_lossy();
             let mut row = Row { name: format!("{name}, {environment}"), shown: Vec::new() };
             for material in &arguments.materials {
                 let number = given.then_some(number);
                 let first = row.shown.is_empty();
-                let shown = arguments.shown((number, mesh), environment, material, size, device.as_ref(), first)?;
+                let shown =
+                    arguments.shown((number, mesh), (around, environment), material, size, device.as_ref(), first)?;
                 let done = rows.len() * arguments.materials.len() + row.shown.len() + 1;
                 tell!("{done}/{count} {}: {:.1} s", shown.stem, shown.seconds);
                 row.shown.push(shown);
@@ -105,12 +108,44 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
-    /// Renders a picture of a mesh file, by its number, or of a built-in shape. The `first` of a row says what the
+    /// Refuses what no picture can be made of, and what would be there twice, before the first picture.
+    fn check(&self) -> Result<()> {
+        let fault = |what: &str, key: &str, found: &str| Input::new(what).key(key).found(format!("`{found}`"));
+        let mut materials = BTreeSet::new();
+        for name in &self.materials {
+            let preset = Preset::find(name, "--materials")?;
+            if !materials.insert(preset.name) {
+                return Err(fault("is there twice", "--materials", name).expected("each material once").into());
+            }
+        }
+        let mut environments = BTreeSet::new();
+        for name in &self.environments {
+            let image = [".exr", ".hdr"].iter().any(|end| name.to_ascii_lowercase().ends_with(end));
+            if !(name == STUDIO || name.starts_with("builtin:") || image && Path::new(name).is_file()) {
+                let expected = "`studio`, `builtin:sky`, or an image, a .exr or .hdr file";
+                return Err(fault("not an environment", "--environments", name).expected(expected).into());
+            }
+            if !environments.insert(name) {
+                return Err(fault("is there twice", "--environments", name).expected("each environment once").into());
+            }
+        }
+        self.files.iter().try_for_each(|mesh| self.around(mesh, Wishes::default()).map(drop))
+    }
+
+    /// The studio around a mesh file.
+    fn around(&self, mesh: &str, wishes: Wishes) -> Result<Studio> {
+        Studio::around(mesh, &[], 0.0, &self.memory.files(), wishes)?.ok_or_else(|| {
+            let fault = Input::new("not a mesh alone").key("FILE").found(mesh);
+            fault.expected("a mesh: OBJ, PLY, STL or glTF").into()
+        })
+    }
+
+    /// Renders a picture of a mesh file, by its number, or of a built-in shape, in an environment. The `first` of a row says what the
     /// studio assumed.
     fn shown(
         &self,
         (number, mesh): (Option<usize>, &str),
-        environment: &str,
+        (around, environment): (usize, &str),
         material: &str,
         size: [u32; 2],
         device: Option<&Device>,
@@ -126,16 +161,14 @@ impl Arguments {
         let wishes = Wishes { preset, samples, pixels, environment: image.clone(), ..Wishes::default() };
         let memory = || self.memory.files();
         let studio = match number {
-            Some(_) => Studio::around(mesh, &[], 0.0, &memory(), wishes)?.ok_or_else(|| {
-                Input::new("not a mesh alone").key("FILE").found(mesh).expected("a mesh: OBJ, PLY, STL or glTF")
-            })?,
+            Some(_) => self.around(mesh, wishes)?,
             None => Studio::around_shape(mesh, &memory(), wishes)?,
         };
         studio.told.iter().skip(usize::from(!first)).for_each(|line| tell!("{line}"));
         let scene = studio.scene(0.0, &[], 0.0, &memory())?;
         let material = Preset::named(material).map_or(material.to_owned(), |preset| preset.name.to_lowercase());
         let number = number.map_or_else(String::new, |number| format!("-{number}"));
-        let around = image.as_ref().map_or_else(String::new, |_| format!("-{}", plain(environment)));
+        let around = image.as_ref().map_or_else(String::new, |_| format!("-in-{around}"));
         let stem = format!("{}{number}-{}{around}", plain(&scene.name), plain(&material));
         let pixels = pixels_of(&scene, device)?;
         let (command, scene) = if number.is_empty() {

@@ -59,14 +59,16 @@ pub fn diffuse_external_exact(eta: f64) -> f64 {
     }
 }
 
-/// The square of the cosine at which facets of GGX's distribution are seen where the surface is seen edge-on: a fit.
+/// The square of the cosine at which facets of GGX's distribution are seen where the surface is seen edge-on: a fit for
+/// indices of 1 and more.
 #[must_use]
 pub fn facet_tilt(alpha: f64) -> f64 {
     (2.0 * alpha / (1.0 + 3.0 * alpha)).powi(2)
 }
 
 /// The cosine to the eye of the facets that let light out of a surface, from the cosine of the surface itself. Their
-/// [`transmittance`] is within 0.03 of the mean over the facets that the eye sees, for alpha from 0.05 to 0.6.
+/// [`transmittance`] is within 0.08 of the mean over the facets that the eye sees for indices of 1 and more, and within
+/// 0.03 for indices of 1.3 to 1.8 and alpha of 0.1 to 0.6.
 #[must_use]
 pub fn facet_cosine(cosine: f64, tilt: f64) -> f64 {
     if tilt > 0.0 { (cosine * cosine * (1.0 - tilt) + tilt).sqrt() } else { cosine }
@@ -181,12 +183,14 @@ mod tests {
 
     #[test]
     fn light_leaves_a_rough_surface_through_the_facets_that_the_eye_sees() {
-        for eta in [1.3, 1.5] {
-            for alpha in [0.05, 0.1, 0.3, 0.6] {
-                for cosine in [0.05, 0.1, 0.2, 0.5, 1.0] {
+        for eta in [1.05, 1.3, 1.5, 1.8, 2.5] {
+            for alpha in [0.02, 0.1, 0.3, 0.6, 1.0] {
+                for cosine in [0.0, 0.05, 0.2, 0.5, 1.0] {
                     let found = transmittance(eta, facet_cosine(cosine, facet_tilt(alpha)));
                     let exact = through_facets(eta, alpha, cosine);
-                    assert!((found - exact).abs() < 0.03, "{eta}, {alpha}, {cosine}: {found} {exact}");
+                    let usual = (1.3..=1.8).contains(&eta) && (0.1..=0.6).contains(&alpha);
+                    let most = if usual { 0.03 } else { 0.08 };
+                    assert!((found - exact).abs() < most, "{eta}, {alpha}, {cosine}: {found} {exact}");
                 }
             }
         }

@@ -42,7 +42,8 @@ pub(super) fn coefficients(params: &mut ObjectParams, material: &Material, units
     };
     let [roughness, second_roughness, second_share] = lobes.map(|x| x as f32);
     let facet_tilt = match material.surface.reflection {
-        Reflection::Ggx { roughness, second_roughness, second_share } => {
+        // Lighter than what is around it, light may be reflected whole at any facet: no one cosine stands for them.
+        Reflection::Ggx { roughness, second_roughness, second_share } if material.eta.iter().all(|eta| *eta >= 1.0) => {
             let [first, second] = [roughness, second_roughness].map(fresnel::facet_tilt);
             first + second_share * (second - first)
         }

@@ -3,7 +3,6 @@
 
 use super::file::MaterialFile;
 use super::layers::Layers;
-use super::locate;
 use super::preset::Preset;
 use super::range::{self, Checked};
 use super::surface::{Reflection, Surface};
@@ -85,7 +84,7 @@ impl Material {
             return Err(fault.found("opaque = false").expected("opaque = true, or scattering and absorption"));
         }
 
-        let preset = file.preset.as_deref().map(|name| find(name, &key("preset"))).transpose()?;
+        let preset = file.preset.as_deref().map(|name| Preset::find(name, &key("preset"))).transpose()?;
         let [scattering, absorption, eta, g] = Self::optics(file, preset, &key)?;
         let scale = scale?;
         let [sigma_s_prime, sigma_a] = Self::per_unit([scattering, absorption], [scale, unit_mm], &key)?;
@@ -273,15 +272,6 @@ impl Material {
             _ => Ok(()),
         }
     }
-}
-
-/// The preset of this name, or an error with the nearest name and the list of all.
-fn find(name: &str, key: &str) -> Checked<&'static Preset> {
-    Preset::named(name).ok_or_else(|| {
-        let names = Preset::names();
-        let what = locate::with_suggestion("unknown preset", name, &names);
-        Input::new(what).key(key).found(name).expected(names.join(", "))
-    })
 }
 
 #[cfg(test)]

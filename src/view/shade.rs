@@ -1,7 +1,8 @@
 //! Stage `shade`: the radiance that leaves towards the eye, equation 3, from radiosity interpolated between vertices,
 //! or from that of the pixel's own receiver.
 //!
-//! Its integral over all directions is (1 - F_ext) B; with `normalize_exit` the object's factor `exit` makes that B.
+//! Its integral over all directions is (1 - F_ext) B for a smooth surface; with `normalize_exit` the object's factor
+//! `exit` makes that B, whatever the surface.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -266,7 +266,20 @@ fn a_gallery_repeats_itself() {
     let here = folder(&[("sheet.obj", &sheet()), ("grey.hdr", grey)]);
     let environments = "--environments studio,grey.hdr";
     good(&here, &format!("gallery sheet.obj -o g --materials skin1,marble {environments} --size 24x24 --samples 2"));
-    let stems = ["sheet-0-skin1", "sheet-0-marble", "sheet-0-skin1-grey-hdr", "sheet-0-marble-grey-hdr"];
+    // A gallery replaces an earlier one.
+    good(&here, &format!("gallery sheet.obj -o g --materials skin1,marble {environments} --size 24x24 --samples 2"));
+    for (words, told) in [
+        ("--environments studio,studio", ["--environments: is there twice", "found `studio`"]),
+        ("--environments studio,", ["--environments: not an environment", "found ``"]),
+        ("--environments studio,none.hdr", ["--environments: not an environment", "found `none.hdr`"]),
+        ("--materials Marble,marble", ["--materials: is there twice", "found `marble`"]),
+        ("--materials marble,", ["--materials: unknown preset", "found ;"]),
+        ("bust", ["FILE: not a mesh alone", "found bust"]),
+    ] {
+        let err = bad(&here, &format!("gallery sheet.obj -o new --size 8x8 --samples 1 {words}"), 2, &told);
+        assert!(!err.contains("1/") && !here.path().join("new").exists(), "{err}");
+    }
+    let stems = ["sheet-0-skin1", "sheet-0-marble", "sheet-0-skin1-in-1", "sheet-0-marble-in-1"];
     let pictures = stems.map(|stem| format!("{stem}.png"));
     let mut all = [&["index.html".to_owned(), "sheet.png".to_owned()], &pictures[..]].concat();
     all.sort();
@@ -290,7 +303,7 @@ fn a_gallery_repeats_itself() {
     // Built-in shapes come with scene files.
     good(&here, &format!("gallery -o shapes --materials marble {environments} --size 16x16 --samples 1"));
     let shapes = folder(&[]);
-    for stem in ["torus-marble", "torus-marble-grey-hdr"] {
+    for stem in ["torus-marble", "torus-marble-in-1"] {
         let scene = here.path().join(format!("shapes/{stem}.toml"));
         let output = program(&shapes, &format!("render {} -o t.png", scene.display())).output().unwrap();
         assert!(output.status.success(), "{:?}", said(&output));

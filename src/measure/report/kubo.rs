@@ -80,8 +80,12 @@ pub fn figure2(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             shown.push(Shot::of(&session.picture()?, f64::NAN).show(format!("{name}: {called}"))?);
         }
         let aim = format!("{name}: scattering hides small bumps");
-        page.find(Tone::of(found[1] < found[0]), &aim, &format!("detail {:.3} -> {:.3}", found[0], found[1]));
-        let ratio = format!("{:.2}", found[1] / found[0]);
+        if found[0] > 0.0 {
+            page.find(Tone::of(found[1] < found[0]), &aim, &format!("detail {:.3} -> {:.3}", found[0], found[1]));
+        } else {
+            page.say(&format!("{name}: no detail, since no 7 x 7 pixels show it alone."));
+        }
+        let ratio = if found[0] > 0.0 { format!("{:.2}", found[1] / found[0]) } else { "-".into() };
         rows.push([vec![name.to_string()], found.map(|x| format!("{x:.4}")).to_vec(), vec![ratio]].concat());
     }
     page.pictures(&shown);

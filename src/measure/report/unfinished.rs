@@ -24,7 +24,8 @@ struct Unfinished {
     sections: Vec<Written>,
 }
 
-fn subject(bench: &Bench<'_>, sections: &[&Section]) -> Vec<(String, String)> {
+/// What is measured: of meshes and files, their content now.
+pub(super) fn subject(bench: &Bench<'_>, sections: &[&Section]) -> Vec<(String, String)> {
     let names: Vec<&str> = sections.iter().map(|section| section.name).collect();
     let own = [
         ("commit", option_env!("MILKGLASS_COMMIT").unwrap_or_default().to_string()),
@@ -55,9 +56,9 @@ fn mark(value: &impl Serialize) -> String {
     format!("{:016x}", hasher.finish())
 }
 
-/// The file's bytes once these of the sections are written.
-pub(super) fn bytes(bench: &Bench<'_>, sections: &[&Section], written: &[Written]) -> Vec<u8> {
-    serde_json::json!({"subject": subject(bench, sections), "sections": written}).to_string().into_bytes()
+/// The file's bytes once these sections of a report on this subject are written.
+pub(super) fn bytes(subject: &[(String, String)], written: &[Written]) -> Vec<u8> {
+    serde_json::json!({"subject": subject, "sections": written}).to_string().into_bytes()
 }
 
 /// The sections that an interrupted report in this folder has measured; an error if there is none, or it is not of the

@@ -4,6 +4,9 @@ mod coefficients;
 
 pub use coefficients::{LIQUIDS, LOOKS, PRESETS};
 
+use super::locate;
+use crate::error::Input;
+
 /// Where a material's coefficients are from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Provenance {
@@ -63,6 +66,15 @@ impl Preset {
     /// The preset of this name; case, spaces, hyphens and underscores are ignored.
     pub fn named(name: &str) -> Option<&'static Self> {
         Self::all().find(|preset| plain(preset.name) == plain(name))
+    }
+
+    /// The preset of this name, or an error at this key with the nearest name and the list of all.
+    pub fn find(name: &str, key: &str) -> Result<&'static Self, Input> {
+        Self::named(name).ok_or_else(|| {
+            let names = Self::names();
+            let what = locate::with_suggestion("unknown preset", name, &names);
+            Input::new(what).key(key).found(name).expected(names.join(", "))
+        })
     }
 }
 

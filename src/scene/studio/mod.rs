@@ -213,7 +213,8 @@ impl Studio {
 
 /// The largest extent that is asked for, or else that of skin, mm; none where the mesh's own or a setting's counts.
 fn size_mm(wishes: &Wishes, sets: &[String], file: &Path) -> Checked<Option<f64>> {
-    let set = sets.iter().find(|set| set.trim_start().starts_with("object.") && set.contains(".size"));
+    let key = |set: &String| set.split('=').next().unwrap_or_default().trim().to_owned();
+    let set = sets.iter().find(|set| key(set).starts_with("object.") && key(set).ends_with(".size"));
     match (wishes.size_mm, set) {
         (Some(_), Some(set)) => {
             let fault = Input::new("gives the size a second time").key("--size-mm").found(format!("--set {set}"));
