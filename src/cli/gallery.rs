@@ -140,8 +140,8 @@ impl Arguments {
         })
     }
 
-    /// Renders a picture of a mesh file, by its number, or of a built-in shape, in an environment. The `first` of a row says what the
-    /// studio assumed.
+    /// Renders a picture of a mesh file, by its number, or of a built-in shape, in an environment. The `first` of a row
+    /// says what the studio assumed.
     fn shown(
         &self,
         (number, mesh): (Option<usize>, &str),
