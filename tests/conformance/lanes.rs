@@ -1,10 +1,10 @@
-//! Kernels whose groups share an item conform at widths that processors do not choose. That all have the same bits is
-//! held by `variants`.
+//! Kernels whose groups share an item conform at widths that processors do not choose, and have the same bits at all.
 
 use crate::devices::on_devices;
 use milkglass::internals::gpu::Choices;
 use milkglass::measure::conform::conform_stages;
 use milkglass::measure::fixtures::{Fixture, fixture};
+use milkglass::measure::vary::{Proof, computed_steps, proof};
 use milkglass::scene::Scene;
 
 /// Words in which a group notes what it finds: `glsl/transport/blocks/share.glsl`.
@@ -40,9 +40,8 @@ fn groups_that_share_walks_conform() {
     }
 }
 
-#[test]
-fn stages_conform_where_invocations_share_items() {
-    // Triangles that are large against the mean free path: near ones by area points and by the edge form.
+/// A ball of triangles that are large against the mean free path: near ones by area points and by the edge form.
+fn coarse() -> Fixture {
     let sets = [
         "object.0.detail=2",
         "camera.size=[8, 8]",
@@ -51,7 +50,41 @@ fn stages_conform_where_invocations_share_items() {
         "transport.tolerance=1e-3",
     ];
     let scene = Scene::load_with("sphere", &sets.map(str::to_string)).unwrap();
-    let coarse = Fixture::of_scene("sphere of large triangles", &scene).unwrap();
+    Fixture::of_scene("sphere of large triangles", &scene).unwrap()
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn bits_are_the_same_at_every_width() {
+    for fixture in [coarse(), fixture("diffusion in a ball").unwrap()] {
+        on_devices(|device| {
+            let with = |lanes: u32| {
+                let choices = Choices { lanes: Some(lanes), fill: Some(0), ..device.choices().clone() };
+                let wide = device.opened_as(&choices).unwrap();
+                let found = computed_steps(&wide, &fixture).unwrap();
+                (wide, found)
+            };
+            let again = || {
+                let Fixture { name, state, steps } = &fixture;
+                Ok(Fixture { name: name.clone(), state: state.clone(), steps: steps.clone() })
+            };
+            let alone = with(1).1;
+            for lanes in [32, 64, 128] {
+                let (wide, shared) = with(lanes);
+                match proof("lanes", [&alone, &shared], &wide, &again).unwrap() {
+                    Proof::Same { buffers, .. } => assert!(buffers > 10, "{buffers}"),
+                    Proof::Conforms { differ, .. } => {
+                        panic!("{}: {}, {lanes} lanes: other bits in {differ:?}", device.name(), fixture.name)
+                    }
+                }
+            }
+        });
+    }
+}
+
+#[test]
+fn stages_conform_where_invocations_share_items() {
+    let coarse = coarse();
     let mut state = coarse.state.clone();
     coarse.steps.iter().for_each(|step| step.reference(&mut state));
     assert!(state.data.runs.iter().any(|run| run.edge > 0) && state.data.runs.iter().any(|run| run.area > 0));
