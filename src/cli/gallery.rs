@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Materials, as `milkglass materials` lists them.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "marble,skin1,potato,ketchup")]
     materials: Vec<String>,
-    /// Surroundings: `studio`, or images, `.exr` or `.hdr` files, or `builtin:sky`.
+    /// Surroundings: `studio`, `builtin:sky`, or image files (.exr, .hdr).
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = STUDIO)]
     environments: Vec<String>,
     /// Width and height of each picture, in pixels.
@@ -108,7 +108,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
-    /// Refuses what no picture can be made of, and what would be there twice, before the first picture.
+    /// Refuses, before the first picture, meshes that can't be read, materials and environments that don't exist, and
+    /// those that are named twice.
     fn check(&self) -> Result<()> {
         let fault = |what: &str, key: &str, found: &str| Input::new(what).key(key).found(format!("`{found}`"));
         let mut materials = BTreeSet::new();
@@ -121,7 +122,9 @@ impl Arguments {
         let mut environments = BTreeSet::new();
         for name in &self.environments {
             let image = [".exr", ".hdr"].iter().any(|end| name.to_ascii_lowercase().ends_with(end));
-            if !(name == STUDIO || name.starts_with("builtin:") || image && Path::new(name).is_file()) {
+            if !([STUDIO, "builtin:sky", "builtin:studio"].contains(&name.as_str())
+                || image && Path::new(name).is_file())
+            {
                 let expected = "`studio`, `builtin:sky`, or an image, a .exr or .hdr file";
                 return Err(fault("not an environment", "--environments", name).expected(expected).into());
             }

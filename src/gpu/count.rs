@@ -3,8 +3,9 @@
 //!
 //! Additions, subtractions and multiplications of floats count one per component, a fused multiply-add two. Divisions
 //! and square roots are counted separately, and so are exponentials, logarithms and circular functions. Integers,
-//! comparisons, minima, maxima and conversions are not counted. Loads and stores count the bytes of buffers that they
-//! name. Every instruction is noted, too, so that coverage knows which were executed.
+//! comparisons, minima, maxima and conversions count as instructions only. Loads and stores count the bytes of buffers
+//! and the words of shared memory that they name, atomic operations also themselves. The kinds of instructions of each
+//! block are noted, too, so that coverage knows which were executed.
 //!
 //! Each invocation also adds up what it goes through one after the other, instructions and loads, whatever they work
 //! on. The most of each, over the invocations of a dispatch, say about how long that takes, however wide the device is.

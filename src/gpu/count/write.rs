@@ -97,7 +97,8 @@ impl Counters {
         }
     }
 
-    /// The subgroup issues so many instructions, where the kernel begins or later.
+    /// Adds a block's instructions to what the subgroup has issued, by the invocation that it elects; `begins`: of the
+    /// kernel's first block.
     pub(super) fn issue(self, out: &mut Edited, instructions: u32, begins: bool) {
         let Self { uint, boolean, zero, own, .. } = self;
         if !self.elects {

@@ -51,12 +51,12 @@ impl Shape {
         Self { group: shared.map(|(group, _)| group), shared: shared.map(|(_, constant)| constant), counted }
     }
 
-    /// How many invocations share an item, or a block's receivers: those of a group, or 1.
+    /// Invocations of a group where the device's width shapes the kernel, else 1.
     pub(in super::super) fn lanes(&self) -> u32 {
         self.shared.and(self.group).unwrap_or(1)
     }
 
-    /// How many invocations an item has.
+    /// How many invocations an item has, or one of a block's receivers.
     pub(in super::super) fn an_item(&self) -> u32 {
         self.shared.map_or(1, |(_, count)| count)
     }

@@ -54,7 +54,7 @@ const RUNS: usize = 6;
 const ROUNDS: u32 = 1000;
 /// Operations per loop iteration.
 const EACH: f64 = 16.0;
-/// Minimum time of a run, milliseconds.
+/// Work grows until a run takes as many milliseconds, or reaches its limit.
 const LONG: f64 = 5.0;
 /// Factor and summand of the multiply-add chains, and step of the exponents; chosen so that a wrong number of
 /// iterations shows in the result.
@@ -188,7 +188,8 @@ pub fn finer_rates(device: &Device) -> Result<Option<FinerRates>> {
 }
 
 impl FinerRates {
-    /// The rate of loads in a buffer of so many bytes: that of the smallest measured one that is as large.
+    /// The rate of loads in a buffer of so many bytes: that of the smallest measured one that is as large,
+    /// or of the largest one.
     #[must_use]
     pub fn loads_in(&self, bytes: u64) -> Option<f64> {
         let enough = self.loads.iter().find(|(size, _)| *size >= bytes);

@@ -37,7 +37,7 @@ pub struct Bounds {
     pub launches: f64,
     /// Barriers.
     pub barriers: f64,
-    /// By how much longer the loads of buffers could take if each fell anywhere in what the stage binds.
+    /// Extra time of buffer loads if each fell anywhere in all that the stage binds.
     pub misses: f64,
     /// The rest, such as operations that wait for each other.
     pub waits: f64,
@@ -100,8 +100,8 @@ impl<'a> Limits<'a> {
 }
 
 impl Shares {
-    /// Loads and arithmetic at the device's rates, and copies where those take longer; `further` is what loads take
-    /// beyond that.
+    /// The share that copies take or, if longer, loads and arithmetic: their sum where they take turns, else the longer
+    /// one. `further` is added to the loads.
     fn work(&self, further: f64) -> f64 {
         let (accesses, arithmetic) = (self.accesses.iter().sum::<f64>() + further, self.arithmetic.iter().sum());
         self.copy.max(if self.in_turn { accesses + arithmetic } else { accesses.max(arithmetic) })
@@ -111,8 +111,8 @@ impl Shares {
 impl Bounds {
     /// The parts of a stage's time, from the shares of it that launches and barriers take and what its work would.
     ///
-    /// Copies overlap with all else, so that either they count or the others, whichever take longer. Loads and
-    /// arithmetic count both where they take turns. None takes more than what launches and barriers leave.
+    /// Copies overlap with all else: only the longer of copies and the rest counts. Of loads and arithmetic the longer
+    /// counts, or both where they take turns. All are scaled down to fit what launches and barriers leave.
     fn of(launches: f64, barriers: f64, shares: &Shares) -> Self {
         let launches = launches.clamp(0.0, 1.0);
         let barriers = barriers.clamp(0.0, 1.0 - launches);
@@ -189,10 +189,10 @@ pub struct Stage {
     pub barriers: usize,
     /// Where its time goes; `None` if its work was not counted.
     pub bounds: Option<Bounds>,
-    /// Milliseconds that its launches, barriers, loads and arithmetic would take at the device's rates, and caches that
-    /// hold all of it.
+    /// Milliseconds that its work, launches and barriers would take at the device's rates, were every load served by
+    /// the nearest cache.
     pub model_ms: Option<f64>,
-    /// Invocations of a subgroup that run an instruction that it issues, on average.
+    /// Active invocations of a subgroup, averaged over the instructions that it issues.
     pub lanes: Option<f64>,
     /// Pipelines created for it.
     pub pipelines: usize,
@@ -388,7 +388,7 @@ mod tests {
             (0.1, 0.05, Work { exps: 60, ..none }, "exp"),
             (0.1, 0.05, Work { roots: 60, ..none }, "divide"),
             (0.1, 0.05, Work { shared: 70, ..chase(20) }, "shared"),
-            // These load 1,120 bytes that are none of the loads'.
+            // 560 of these bytes are the atomic operations' own.
             (0.1, 0.05, Work { atomics: 70, loaded: 580, ..chase(20) }, "atomics"),
             (0.0, 0.0, Work { read: 1_400_000_000, loaded: 1, ..none }, "copy"),
             (0.1, 0.05, Work { loaded: 70, ..chase(20) }, "loads"),

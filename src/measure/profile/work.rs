@@ -51,8 +51,8 @@ pub struct Work {
     pub others: u64,
     /// Subgroups of all dispatches.
     pub subgroups: u64,
-    /// Instructions that all subgroups issue, each once for those of its invocations that run it: `instructions` over
-    /// this is how many lanes are at work.
+    /// Instructions that subgroups issue: one that several invocations run together counts once. `instructions` over
+    /// this is the mean number of active lanes.
     pub issued: u64,
     /// Words of shared memory that are loaded and stored.
     #[serde(rename = "shared_words")]
@@ -103,7 +103,7 @@ pub(super) fn of(
 pub(super) struct Counted {
     /// The session that ran it.
     pub(super) session: Session,
-    /// Its steps, or its kernels.
+    /// The times of its steps, kernels or dispatches, as chosen.
     pub(super) steps: Vec<Timing>,
     /// What each of its dispatches has done, after the kernel's name and that of the part that was timed with it.
     pub(super) tallies: Vec<([String; 2], Tally)>,
@@ -131,7 +131,7 @@ impl Work {
         Self { issued: 0, subgroups: 0, longest_steps: 0, longest_loads: 0, longest_shared: 0, ..self }
     }
 
-    /// Invocations of a subgroup that are active, on average over the instructions that it issues.
+    /// Active invocations of a subgroup, averaged over the instructions that it issues.
     #[must_use]
     pub fn lanes(self) -> Option<f64> {
         (self.issued > 0).then(|| self.instructions as f64 / self.issued as f64)
