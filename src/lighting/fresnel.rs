@@ -67,8 +67,8 @@ pub fn facet_tilt(alpha: f64) -> f64 {
 }
 
 /// The cosine to the eye of the facets that let light out of a surface, from the cosine of the surface itself. Their
-/// [`transmittance`] is within 0.08 of the mean over the facets that the eye sees for indices of 1.05 to 2.5, and within
-/// 0.03 for indices of 1.3 to 1.8 and alpha of 0.1 to 0.6.
+/// [`transmittance`] is within 0.08 of the mean over the facets that the eye sees for indices of 1.05 to 2.5, and
+/// within 0.03 for indices of 1.3 to 1.8 and alpha of 0.1 to 0.6.
 #[must_use]
 pub fn facet_cosine(cosine: f64, tilt: f64) -> f64 {
     if tilt > 0.0 { (cosine * cosine * (1.0 - tilt) + tilt).sqrt() } else { cosine }
