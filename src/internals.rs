@@ -13,7 +13,8 @@
 //! 3. Transport to blocks of receivers: `pull` sums moments of that light up the tree of clusters; `coarse_solve`
 //!    estimates the object's brightness; `acceptance_radii` turns the tolerance into a distance per cluster; `link`
 //!    lists the emitters of each block; `gather` sums over the lists; `push` hands the sums to the receivers. Transport
-//!    by links, as published, by brute force, by an octree or by a random walk replaces these stages.
+//!    by links, as published, by brute force, by an octree or by a random walk replaces these stages. Diffusion keeps
+//!    `pull`, `acceptance_radii` and `link`, whose lists its own stages sum over.
 //! 4. Light that leaves (equation 3): `shade`; `pixel_shadow`, for opaque objects and reflections, and `shade_opaque`;
 //!    `texture_out`; `relief` adds single scattering in layers (Francois et al. 2006); `reflect` adds reflections,
 //!    `backdrop` the environment.
@@ -37,8 +38,7 @@
 //! - [`pipeline`]: the frame, the plan (the stages that a state needs, and why the others are skipped), buffer sizes.
 //! - [`transport`]: Mertens et al.: [`transport::blocks`], to a given tolerance; [`transport::links`], as published;
 //!   brute force; an octree; [`transport::walk`], without a model. [`layers`]: Francois et al., subsurface texture
-//!   mapping. [`shading`]: shading by
-//!   curvature, Kubo et al., and its rivals. [`view`]: from radiosity to a picture.
+//!   mapping. [`shading`]: shading by curvature, Kubo et al., and its rivals. [`view`]: from radiosity to a picture.
 //! - [`dipole`]: the diffusion profile, its derivatives, form factors.
 //! - [`lighting`]: light that arrives, and Fresnel's formulas.
 //! - [`geometry`]: from positions to clusters; rays through the same trees.
