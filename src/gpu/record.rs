@@ -66,11 +66,11 @@ impl Recorder {
 
     /// The name of the part that was begun last.
     fn latest_part(&self) -> &str {
-        let names = self.list.iter().rev().filter_map(|entry| match entry {
+        let begun = self.list.iter().rev().find_map(|entry| match entry {
             Entry::Begin(name, _) => Some(name.as_str()),
             _ => None,
         });
-        names.into_iter().next().unwrap_or_default()
+        begun.unwrap_or_default()
     }
 
     /// A name for the next dispatch of this kernel: with its number among them.
