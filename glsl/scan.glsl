@@ -16,15 +16,20 @@ uvec2 own_run(uint count) {
 // again.
 SUM sum_before(SUM own) {
     uint self = gl_LocalInvocationIndex;
-    sums[self] = own;
-    barrier();
-    for (uint step = 1; step < SCAN_SIZE; step *= 2) {
-        SUM other = self >= step ? sums[self - step] : SUM(0);
+    SUM sum = own;
+    sums[self] = sum;
+    // Four neighbours a step: half the barriers of two.
+    for (uint step = 1; step < SCAN_SIZE; step *= 4) {
         barrier();
-        sums[self] += other;
+        SUM near = self >= step ? sums[self - step] : SUM(0);
+        SUM middle = self >= 2 * step ? sums[self - 2 * step] : SUM(0);
+        SUM far = self >= 3 * step ? sums[self - 3 * step] : SUM(0);
         barrier();
+        sum += near + middle + far;
+        sums[self] = sum;
     }
-    return sums[self] - own;
+    barrier();
+    return sum - own;
 }
 
 // The sum over all runs, after `sum_before`.

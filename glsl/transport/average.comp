@@ -12,17 +12,23 @@ READS(clusters)
 READS(radiosity)
 WRITES(vertex_radiosity)
 
+float weight_of(uint face) { return clusters[leaves[face]].area; }
+
 void main() {
     uint vertex = invocation();
     if (vertex >= object_params[0].vertices) return;
     vec3 sum = vec3(0);
     float area = 0.0;
     uint end = corner_starts[vertex + 1];
-    for (uint i = corner_starts[vertex]; i < end; ++i) {
-        uint face = corners[i];
-        float weight = clusters[leaves[face]].area;
-        sum += weight * radiosity[face];
-        area += weight;
+    // Four at once, so that their loads do not wait for each other.
+    for (uint first = corner_starts[vertex]; first < end; first += 4) {
+        uvec4 at = first + uvec4(0, 1, 2, 3), last = min(at, uvec4(end - 1));
+        uvec4 face = uvec4(corners[last.x], corners[last.y], corners[last.z], corners[last.w]);
+        vec4 weight = vec4(weight_of(face.x), weight_of(face.y), weight_of(face.z), weight_of(face.w));
+        weight = mix(weight, vec4(0), greaterThan(at, last));
+        sum = sum + weight.x * radiosity[face.x] + weight.y * radiosity[face.y] + weight.z * radiosity[face.z] +
+              weight.w * radiosity[face.w];
+        area = area + weight.x + weight.y + weight.z + weight.w;
     }
     vertex_radiosity[vertex] = area > 0.0 ? sum / area : vec3(0);
 }

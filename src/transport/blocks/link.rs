@@ -171,11 +171,12 @@ fn cpu(state: &mut State, at: Scope) {
             data.entries[start..start + list.len()].copy_from_slice(list);
             next += list.len() as u32;
         }
-        if fits && area + edge > 0 {
+        if area + edge > 0 {
             data.near[near_base + near] = i as u32;
             near += 1;
         }
     }
+    let near = if fits { near } else { 0 };
     let groups = (near * BLOCK_RECEIVERS).div_ceil(GROUP_SIZE as usize) as u32;
     data.near_groups[groups_base] = [groups, 1, 1];
     data.near_groups[groups_base + 1] = rows(near as u32);

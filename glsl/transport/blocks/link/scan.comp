@@ -11,50 +11,50 @@ UPDATES(counters)
 UPDATES(near)
 UPDATES(near_groups)
 
-#define SUM uvec2
+#define SUM uvec4
 #include "scan.glsl"
 
 shared uint most_near;
 const uint BLOCKS_A_GROUP = GROUP_SIZE / BLOCK_RECEIVERS;
 
-// The entries of a block, and whether it has near triangles.
-uvec2 places(Runs one) {
-    return uvec2(one.expanded + one.direct + one.area + one.edge, min(one.area + one.edge, 1));
+// The near triangles of a block; of the last one beyond the batch. These loads, and those below, wait for nothing.
+uint near_triangles(uint i) {
+    uint block = min(i, range.count - 1);
+    return runs[block].area + runs[block].edge;
 }
 
-// Neighbouring invocations take neighbouring blocks, so that their loads share cache lines: first all sums, then the
-// place of each block, chunk by chunk.
-void main() {
-    uint self = gl_LocalInvocationIndex;
-    uvec2 sum = uvec2(0);
-    uint most = 0;
-    if (self == 0) most_near = 0;
-    for (uint i = self; i < range.count; i += SCAN_SIZE) {
-        Runs one = runs[i];
-        sum += places(one);
-        most = max(most, one.area + one.edge);
-    }
-    sum_before(sum);
-    atomicMax(most_near, most);
-    barrier();
-    uvec2 all = sum_of_all();
-    bool fits = all.x <= object_params[0].entry_capacity;
+// The entries of a block, and whether it has near triangles; nothing beyond the batch.
+uvec2 places(uint i) {
+    uint block = min(i, range.count - 1), triangles = near_triangles(i);
+    return uvec2(runs[block].expanded + runs[block].direct + triangles, min(triangles, 1)) * uint(i < range.count);
+}
 
-    uvec2 begin = uvec2(0);
-    for (uint chunk = 0; chunk < range.count; chunk += SCAN_SIZE) {
-        uint i = chunk + self;
-        Runs one = Runs(0, 0, 0, 0, 0, 0);
-        if (i < range.count) one = runs[i];
-        uvec2 own = places(one);
+void put(uint i, uvec2 at, uint is_near) {
+    if (i >= range.count) return;
+    runs[i].first = at.x;
+    if (is_near > 0) near[at.y] = i;
+}
+
+// Neighbouring invocations take neighbouring blocks, so that their loads share cache lines; two each at once.
+void main() {
+    uint self = gl_LocalInvocationIndex, most = 0;
+    if (self == 0) most_near = 0;
+    uvec2 all = uvec2(0);
+    for (uint chunk = 0; chunk < range.count; chunk += 2 * SCAN_SIZE) {
+        uint one = chunk + self, two = one + SCAN_SIZE;
+        uvec4 own = uvec4(places(one), places(two));
+        most = max(most, max(near_triangles(one), near_triangles(two)));
         barrier();
-        uvec2 at = begin + sum_before(own);
-        begin += sum_of_all();
-        if (i < range.count) {
-            runs[i] = fits ? Runs(at.x, one.expanded, one.direct, one.area, one.edge, one.dropped)
-                           : Runs(0, 0, 0, 0, 0, one.dropped);
-            if (fits && own.y > 0) near[at.y] = i;
-        }
+        uvec4 before = sum_before(own), sum = sum_of_all();
+        put(one, all + before.xy, own.y);
+        put(two, all + sum.xy + before.zw, own.w);
+        all += sum.xy + sum.zw;
     }
+    atomicMax(most_near, most);
+    memoryBarrierBuffer(); // a barrier alone orders shared memory only
+    barrier();
+    bool fits = all.x <= object_params[0].entry_capacity;
+    for (uint i = self; !fits && i < range.count; i += SCAN_SIZE) runs[i] = Runs(0, 0, 0, 0, 0, runs[i].dropped);
     if (self == 0) {
         // The groups of the kernels for near triangles: with 64 receivers each, and with a block each.
         uint blocks_near = fits ? all.y : 0;
