@@ -21,13 +21,20 @@ void main() {
         of_cluster(node, topology[node + 1].skip);
         return;
     }
-    for (uint node = topology[leaves[i]].parent; node != NONE;) {
-        // These loads wait for no arrival.
-        uint parent = topology[node].parent, right = topology[node + 1].skip;
+    // A node's parent and right child are loaded before its turn: these loads wait for no arrival.
+    uint node = topology[leaves[i]].parent;
+    if (node == NONE) return;
+    uint parent = topology[node].parent, right = topology[node + 1].skip;
+    for (;;) {
         memoryBarrierBuffer();
         if (atomicXor(arrivals[node], 1) == 0) return;
         memoryBarrierBuffer();
+        uint next = parent == NONE ? 0 : parent;
+        uint next_parent = topology[next].parent, next_right = topology[next + 1].skip;
         of_cluster(node, right);
+        if (parent == NONE) return;
         node = parent;
+        parent = next_parent;
+        right = next_right;
     }
 }

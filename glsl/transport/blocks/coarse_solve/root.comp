@@ -14,11 +14,20 @@ UPDATES(reference_level)
 
 shared vec3 sums[GROUP_SIZE];
 
+// What a sample adds: its square by its share, relative to the largest value and the mean area, so that squares neither
+// overflow nor underflow.
+vec3 term(Sample one, vec3 most, float mean) {
+    vec3 value = one.value / most;
+    float share = mean > 0.0 ? clusters[leaves[one.face]].area / mean : 0.0;
+    return value * value * (share / (one.chance * float(object_params[0].faces)));
+}
+
 void main() {
+    // Four samples an invocation, all loaded at once.
     uint self = gl_LocalInvocationIndex;
-    // Relative to the largest value and the mean area, so that squares neither overflow nor underflow.
-    sums[self] = vec3(1e-30);
-    for (uint k = self; k < COARSE_SAMPLES; k += GROUP_SIZE) sums[self] = max(sums[self], samples[k].value);
+    Sample one = samples[self], two = samples[self + GROUP_SIZE];
+    Sample three = samples[self + 2 * GROUP_SIZE], four = samples[self + 3 * GROUP_SIZE];
+    sums[self] = max(max(max(max(vec3(1e-30), one.value), two.value), three.value), four.value);
     barrier();
     for (uint step = GROUP_SIZE / 2; step > 0; step /= 2) {
         if (self < step) sums[self] = max(sums[self], sums[self + step]);
@@ -27,14 +36,7 @@ void main() {
     vec3 most = sums[0];
     barrier();
     float mean = clusters[0].area / float(object_params[0].faces);
-    vec3 sum = vec3(0);
-    for (uint k = self; k < COARSE_SAMPLES; k += GROUP_SIZE) {
-        Sample one = samples[k];
-        vec3 value = one.value / most;
-        float share = mean > 0.0 ? clusters[leaves[one.face]].area / mean : 0.0;
-        sum += value * value * (share / (one.chance * float(object_params[0].faces)));
-    }
-    sums[self] = sum;
+    sums[self] = term(one, most, mean) + term(two, most, mean) + term(three, most, mean) + term(four, most, mean);
     barrier();
     for (uint step = GROUP_SIZE / 2; step > 0; step /= 2) {
         if (self < step) sums[self] += sums[self + step];

@@ -19,17 +19,22 @@ WRITES(samples)
 const uint HALF = COARSE_SAMPLES / 2;
 const uint COARSE_RUN = 16; // clusters that are summed by themselves
 
-// The leaf of the triangle at sample k's share of the light: decisions, so exact.
+// The leaf of the triangle at sample k's share of the light: decisions, so exact. What a level needs is loaded at once.
 uint by_light(uint k) {
     precise float target = moments[0].weight * ((float(k) + 0.5) * (1.0 / float(HALF)));
-    uint node = 0;
-    while (topology[node].face == NONE) {
-        uint left = node + 1, right = topology[left].skip;
-        float before = moments[left].weight;
-        bool goes_left = target < before || !(moments[right].weight > 0.0);
+    uint node = 0, last = object_params[0].nodes - 1, right = topology[min(1, last)].skip;
+    bool leaf = topology[0].face != NONE;
+    while (!leaf) {
+        uint left = node + 1;
+        float before = moments[left].weight, after = moments[right].weight;
+        uint right_of_left = topology[left + 1].skip, right_of_right = topology[min(right + 1, last)].skip;
+        bool left_ends = topology[left].face != NONE, right_ends = topology[right].face != NONE;
+        bool goes_left = target < before || !(after > 0.0);
         precise float rest = target - before;
-        if (!goes_left) target = rest;
+        target = goes_left ? target : rest;
         node = goes_left ? left : right;
+        leaf = goes_left ? left_ends : right_ends;
+        right = goes_left ? right_of_left : right_of_right;
     }
     return node;
 }
