@@ -162,6 +162,7 @@ fn replacement(
         rows["work"] = counts;
         comparison.held.extend(held);
     }
+    comparison.rounds = Some(found.samples);
     Ok(comparison)
 }
 
@@ -263,10 +264,11 @@ fn works(arguments: &Arguments, scene: &Scene, devices: [&Device; 2], edited: &[
     Ok((all.into(), held))
 }
 
-/// A comparison: as JSON, and what was held to a limit.
+/// A comparison: as JSON, its rounds where the file's samples are others, and what was held to a limit.
 #[derive(Default)]
 struct Comparison {
     json: Value,
+    rounds: Option<Samples>,
     held: Vec<Held>,
 }
 
@@ -277,7 +279,11 @@ fn compared(arguments: &Arguments, samples: &Samples, settings: &Settings) -> Re
     let names = samples.variants.iter().skip(1).map(|variant| &variant.name);
     let rows = names.zip(&ratios);
     let held = rows.clone().flat_map(|(name, rows)| arguments.gate.times(name, rows, &samples.edited)).collect();
-    Ok(Comparison { json: rows.map(|(name, rows)| json!({"variant": name, "rows": rows})).collect(), held })
+    Ok(Comparison {
+        json: rows.map(|(name, rows)| json!({"variant": name, "rows": rows})).collect(),
+        held,
+        rounds: None,
+    })
 }
 
 /// Writes the files of `--save` and `--history`, if they were requested.
@@ -287,6 +293,9 @@ fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: &Com
         if let (Value::Object(all), Value::Object(own)) = (&mut value, serde_json::to_value(saved).map_err(fault)?) {
             all.extend(own);
             all.insert("comparison".into(), comparison.json.clone());
+            if let Some(rounds) = &comparison.rounds {
+                all.insert("rounds".into(), serde_json::to_value(rounds).map_err(fault)?);
+            }
         }
         write(path, format!("{value:#}\n"))?;
     }

@@ -68,7 +68,7 @@ pub(super) fn text(found: &Profile) -> String {
     if let Some(rates) = &found.rates {
         let (copy, fma, exp) = (rates.copy * 1e-9, rates.fma * 1e-9, rates.exp * 1e-9);
         text += &format!(
-            "the device at best, measured now: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s\n"
+            "the device's rates, measured now: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s\n"
         );
     }
     text += "\ntimes in ms: median, half its 95 % interval, and from 10th to 90th percentile; wall: each step submitted and \

@@ -147,8 +147,7 @@ impl Row {
 
 /// Profiles a scene on a device, or on the CPU.
 pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Profile> {
-    // Rates are measured before and after the frames, and the better ones kept, because the device may slow down for
-    // a while.
+    // Rates are measured before and after the frames, because the device may slow down meanwhile.
     let earlier = device.map(rates).transpose()?.flatten();
     if let Some(device) = device {
         device.forget_peak();
@@ -158,7 +157,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     let (mut session, trace) = (only.session, frames.into_iter().next().unwrap_or_default());
     let peak = device.map_or(session.bytes(), |device| device.memory().peak);
     let later = device.map(rates).transpose()?.flatten();
-    let rates = earlier.zip(later).map(|(one, other)| one.best(other));
+    let rates = earlier.zip(later).map(|(one, other)| one.with(other));
     let mut notes = Vec::new();
     match device {
         None => notes.push("on the CPU: the reference in f64, by the host's clock; no device is measured".into()),

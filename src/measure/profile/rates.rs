@@ -2,14 +2,16 @@
 //! what else bounds a stage where that is asked for.
 //!
 //! Each kernel's results are checked before its time counts: those of floats against `f64`, all others exactly. Each
-//! rate is that of the fastest of several runs, and the work grows until a run takes long enough to be timed.
+//! rate is that of the median of several runs, as a stage's time is: what slows both down is in neither's ratio. The
+//! work grows until a run takes long enough to be timed.
 
 use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Device, SingleKernel, spirv};
+use crate::measure::statistics::median;
 
-/// Peak rates of one device.
+/// Rates of one device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
     /// Bytes per second of a copy, reads and writes both counted.
@@ -48,7 +50,7 @@ const ATOMIC_STEP: u32 = 64;
 const INTEGER_EACH: f64 = 3.0;
 
 /// Runs per size; the first one creates the pipeline and does not count.
-const RUNS: usize = 6;
+const RUNS: usize = 10;
 /// Loop iterations: far below 65,535, the limit after which some drivers end a loop, and such that no ring of places
 /// comes back to its first one.
 const ROUNDS: u32 = 1000;
@@ -64,10 +66,11 @@ const STEP: f32 = 0.002;
 const INTEGER: u32 = 2_654_435_769;
 
 impl Rates {
-    /// The better of two measurements: a slowed-down device does not reach its peak.
+    /// The rates of two measurements together, which took equally much work each.
     #[must_use]
-    pub fn best(self, other: Self) -> Self {
-        Self { copy: self.copy.max(other.copy), fma: self.fma.max(other.fma), exp: self.exp.max(other.exp) }
+    pub fn with(self, other: Self) -> Self {
+        let both = |one: f64, two: f64| 2.0 / (1.0 / one + 1.0 / two);
+        Self { copy: both(self.copy, other.copy), fma: both(self.fma, other.fma), exp: both(self.exp, other.exp) }
     }
 }
 
@@ -83,12 +86,16 @@ pub fn rates(device: &Device) -> Result<Option<Rates>> {
     }))
 }
 
-/// Time of the fastest run but the first, seconds.
-fn fastest(device: &Device, alone: &SingleKernel<'_>, buffers: &mut [Vec<u8>], count: u64) -> Result<f64> {
+/// The median time of the runs but the first, seconds.
+fn usual(device: &Device, alone: &SingleKernel<'_>, buffers: &mut [Vec<u8>], count: u64) -> Result<f64> {
     let times = alone.run(device, buffers, count, RUNS)?;
-    // Discard times of 0, from a clock too coarse for the run.
-    let told = times.iter().skip(1).map(|time| time.milliseconds).filter(|time| *time > 0.0);
-    Ok(told.fold(f64::INFINITY, f64::min) * 1e-3)
+    Ok(usual_of(times.iter().map(|time| time.milliseconds)) * 1e-3)
+}
+
+/// The median of the times but the first; infinite without any. Times of 0 come from a clock too coarse for the run.
+fn usual_of(times: impl Iterator<Item = f64>) -> f64 {
+    let told: Vec<f64> = times.skip(1).filter(|time| *time > 0.0).collect();
+    if told.is_empty() { f64::INFINITY } else { median(told) }
 }
 
 fn kernel<'a>(name: &'a str, constants: &'a [u32]) -> Result<SingleKernel<'a>> {
@@ -106,7 +113,7 @@ fn copy(device: &Device) -> Result<f64> {
         let from: Vec<u8> =
             (0..bytes / 4).flat_map(|word| (word as u32).wrapping_mul(2_654_435_761).to_ne_bytes()).collect();
         let mut buffers = [from, vec![0; bytes as usize]];
-        let seconds = fastest(device, &alone, &mut buffers, bytes / 64)?;
+        let seconds = usual(device, &alone, &mut buffers, bytes / 64)?;
         if buffers[0] != buffers[1] {
             return Err(Error::device("measuring how fast the device copies", "the copy differs from what was copied"));
         }
@@ -145,7 +152,7 @@ fn operations(device: &Device, name: &str, input: &[u8], each: f64, expected: &E
     let mut count = 1u64 << 12;
     loop {
         let mut buffers = [input.to_vec(), vec![0; 4 * count as usize]];
-        let seconds = fastest(device, &alone, &mut buffers, count)?;
+        let seconds = usual(device, &alone, &mut buffers, count)?;
         let words: &[u32] = bytemuck::cast_slice(&buffers[1]);
         for place in (0..count as usize).step_by(count as usize / 64 + 1) {
             if let Some(what) = expected.fault(place as u32, words[place]) {
@@ -237,6 +244,14 @@ fn exp(invocation: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_rate_is_that_of_the_median_run() {
+        assert_eq!(usual_of([900.0, 4.0, 0.0, 2.0, 30.0].into_iter()), 4.0);
+        assert_eq!(usual_of([900.0, 0.0].into_iter()), f64::INFINITY);
+        let [one, two] = [10.0, 30.0].map(|rate| Rates { copy: rate, fma: 2.0 * rate, exp: 20.0 });
+        assert_eq!(one.with(two), Rates { copy: 15.0, fma: 30.0, exp: 20.0 });
+    }
 
     #[test]
     fn a_ring_is_one_cycle_and_a_chase_ends_elsewhere() {
