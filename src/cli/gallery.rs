@@ -4,16 +4,16 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::device::DeviceArgument;
 use super::memory::MemoryArgument;
 use super::render::parse_size;
-use super::run_args::quoted;
+use super::run_args::{OptionArguments, quoted};
 use super::{check_messages, open_session, print, run_frame, validation};
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::Device;
-use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::pipeline::plan::{Change, Mode, Options, ShadingMethod};
 use milkglass::measure::folder::{Folder, GALLERY};
 use milkglass::measure::report::{escape, png};
 use milkglass::scene::{Preset, Studio, Wishes};
@@ -48,6 +48,9 @@ pub struct Arguments {
     /// Samples per pixel, 1 to 64.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: u32,
+    /// How light is transported through the material, as for `render`.
+    #[arg(long, value_enum, default_value_t)]
+    transport: ShadingMethod,
     #[command(flatten)]
     device: DeviceArgument,
     #[command(flatten)]
@@ -168,19 +171,22 @@ impl Arguments {
             None => Studio::around_shape(mesh, &memory(), wishes)?,
         };
         studio.told.iter().skip(usize::from(!first)).for_each(|line| tell!("{line}"));
-        let scene = studio.scene(0.0, &[], 0.0, &memory())?;
+        let run = OptionArguments { mode: Mode::default(), transport: self.transport };
+        let scene = studio.scene(0.0, &run.of(&[]), 0.0, &memory())?;
         let material = Preset::named(material).map_or(material.to_owned(), |preset| preset.name.to_lowercase());
         let number = number.map_or_else(String::new, |number| format!("-{number}"));
         let around = image.as_ref().map_or_else(String::new, |_| format!("-in-{around}"));
         let stem = format!("{}{number}-{}{around}", plain(&scene.name), plain(&material));
-        let pixels = pixels_of(&scene, device)?;
+        let pixels = pixels_of(&scene, device, run.options())?;
+        let value = self.transport.to_possible_value().filter(|_| self.transport != ShadingMethod::default());
+        let method = value.map_or_else(String::new, |value| format!(" --transport {}", value.get_name()));
         let (command, scene) = if number.is_empty() {
-            (format!("milkglass render {stem}.toml -o {stem}.png"), Some(studio.toml()))
+            (format!("milkglass render {stem}.toml{method} -o {stem}.png"), Some(studio.toml()))
         } else {
             let ([width, height], samples, mesh) = (size, self.samples, quoted(mesh));
             let around = image.map_or_else(String::new, |image| format!(" --environment {}", quoted(&image)));
             let command = format!(
-                "milkglass render {mesh} --preset {}{around} --size {width}x{height} --samples {samples} -o {stem}.png",
+                "milkglass render {mesh} --preset {}{around} --size {width}x{height} --samples {samples}{method} -o {stem}.png",
                 quoted(&material)
             );
             (command, None)
@@ -195,8 +201,8 @@ fn absolute(path: &str) -> String {
 }
 
 /// The scene's picture: its bytes, r g b row by row.
-fn pixels_of(scene: &milkglass::Scene, device: Option<&Device>) -> Result<Vec<u8>> {
-    let mut session = open_session(scene, device, Options::default())?;
+fn pixels_of(scene: &milkglass::Scene, device: Option<&Device>, options: Options) -> Result<Vec<u8>> {
+    let mut session = open_session(scene, device, options)?;
     run_frame(&mut session, Change::EVERYTHING)?;
     session.sample()?;
     let bytes = session.shown()?;

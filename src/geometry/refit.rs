@@ -135,7 +135,11 @@ fn cpu(state: &mut State, _at: Scope) {
         data.spheres = data.blocks.iter().map(of_block).collect();
     }
 
-    // Vertex normals from the triangles around each vertex.
+    // Vertex normals from the triangles around each vertex, or of whole triangles that were divided.
+    if state.objects[0].whole_normals {
+        data.normals.clone_from(&data.whole_normals);
+        return;
+    }
     let around = |v: usize| &data.corners[data.corner_starts[v] as usize..data.corner_starts[v + 1] as usize];
     data.normals = (0..data.corner_starts.len() - 1)
         .map(|v| {
@@ -248,7 +252,8 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     if receives {
         pass.dispatch(Some("block"), &[], &[], count.blocks)?;
     }
-    pass.dispatch(Some("normal"), &[], &[], count.vertices)
+    let known = pass.object().whole_normals;
+    pass.dispatch(Some("normal"), &[u32::from(known)], &[], count.vertices)
 }
 
 #[cfg(test)]

@@ -33,6 +33,8 @@ buffers! {
     rest: [f32; 3], vertex;
     /// Unit vertex normals before any deformation, area-weighted.
     rest_normals: [f32; 3], vertex;
+    /// Unit vertex normals of divided triangles: those of the whole ones, interpolated. Empty if none were divided.
+    whole_normals: [f32; 3], vertex;
     /// The deformations of the objects, in the order in which they apply.
     deforms: Deform, deform;
     /// For each morph and each vertex of its object, the displacement to its place in the other mesh.

@@ -9,6 +9,8 @@
 //! of the object, where what happens at its edges no longer matters to means and pictures, and none near a crease stays
 //! longer than `COARSEST` of it, since diffusion in a small object is sensitive to its corners. In an object in which a
 //! triangle is divided, none stays longer than `WIDEST` of it, since irradiance is one value a triangle, too.
+//! The parts of a triangle lie in its plane, but shading interpolates the normals at the corners of the whole: those of
+//! the parts would show each triangle of a coarse smooth mesh as a facet.
 //! Smooth shapes, and meshes like scans in which such triangles are few or hardly too long, stay as they are; so do
 //! built-in shapes, whose `detail` says how fine they are, and objects that deform, whose vertices a device moves.
 //!
@@ -116,6 +118,7 @@ pub struct Divided {
 pub fn divide(mesh: &Mesh, material: &Material, memory: &Memory) -> Result<Option<Divided>> {
     let Some(long) = Long::of(mesh, material) else { return Ok(None) };
     let (mut fine, mut from): (Mesh, Vec<u32>) = (mesh.parted(), (0..).take(mesh.triangles.len()).collect());
+    fine.normals = Some(fine.vertex_normals());
     // Parts that are short enough stay so.
     let mut open = vec![true; from.len()];
     loop {
@@ -139,4 +142,42 @@ pub fn divide(mesh: &Mesh, material: &Material, memory: &Memory) -> Result<Optio
 /// The length of a triangle's longest edge.
 fn longest([a, b, c]: [DVec3; 3]) -> f64 {
     a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Scene, Shape};
+
+    /// The divided mesh of this one, enlarged.
+    fn divided(shape: Shape, detail: u32, factor: f64) -> Divided {
+        let object = Scene::load("sphere").expect("a scene").objects.remove(0);
+        let mut mesh = Mesh { detailed: false, ..shape.build(detail) };
+        mesh.positions.iter_mut().for_each(|position| *position *= factor);
+        // A ball has no creases: a missing triangle makes some.
+        if shape == Shape::Sphere {
+            mesh.triangles.pop();
+            mesh.input_face.pop();
+            mesh.open_edges = 3;
+        }
+        divide(&mesh, &object.material, &Memory::default()).expect("memory").expect("long triangles")
+    }
+
+    #[test]
+    fn parts_have_the_normals_of_the_whole() {
+        let ball = divided(Shape::Sphere, 1, 10.0);
+        let normals = ball.mesh.normals.clone().expect("normals");
+        assert!(ball.mesh.triangles.len() > 1000 && normals.len() == ball.mesh.positions.len());
+        // Those of the parts themselves are up to 20 degrees off.
+        let off = |normals: &[DVec3]| {
+            let angles = normals.iter().zip(&ball.mesh.positions).map(|(n, p)| n.angle_between(*p).to_degrees());
+            angles.fold(0.0, f64::max)
+        };
+        let flat = Mesh { normals: None, ..ball.mesh.clone() }.vertex_normals();
+        assert!(off(&normals) < 5.0 && off(&flat) > 10.0, "{} {}", off(&normals), off(&flat));
+        // A box keeps its corners.
+        let cube = divided(Shape::Slab, 1, 20.0).mesh;
+        let normals = cube.normals.expect("normals");
+        assert!(normals.iter().all(|n| n.abs().max_element() > 0.999_999));
+    }
 }

@@ -13,7 +13,7 @@ use super::material::{coefficients, quadrature};
 use super::place::place;
 use super::rounding::rounding;
 use super::shading;
-use super::shape::{deform_all, moved, shape};
+use super::shape::{deform_all, moved, shape, whole_normals};
 use super::single_scattering::media;
 use super::textures::texture;
 use super::units::Units;
@@ -112,6 +112,7 @@ pub fn prepare(
     if state.method.projected {
         borders(&mut state, &trees);
     }
+    whole_normals(&mut state, &scene.objects);
     shape(&mut state, &scene.objects, units);
     deform_all(&mut state);
     let maps = layers(&mut state, &scene.objects, &faces, units);

@@ -53,6 +53,17 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
     }
 }
 
+/// Writes the vertex normals of triangles that were divided; none if none were.
+pub fn whole_normals(state: &mut State, objects: &[Object]) {
+    for (object, part) in objects.iter().zip(&mut state.objects) {
+        let Some(normals) = &object.mesh.normals else { continue };
+        part.whole_normals = true;
+        state.data.whole_normals.resize(state.data.positions.len(), [0.0; 3]);
+        let vertices = part.first.vertices..part.first.vertices + part.count.vertices;
+        state.data.whole_normals.splice(vertices, normals.iter().copied().map(narrow));
+    }
+}
+
 /// Deforms all objects on the host; the result is bit-identical to any device's.
 pub fn deform_all(state: &mut State) {
     if state.data.deforms.is_empty() {
@@ -67,15 +78,8 @@ pub fn deform_all(state: &mut State) {
 
 /// Vertices and their normals at rest; `units` are those of the object's own frame, as in [`records`].
 pub(super) fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
-    let mesh = &object.mesh;
-    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
-    for &[a, b, c] in &mesh.triangles {
-        let [p, q, r] = [a, b, c].map(|v| mesh.positions[v as usize]);
-        let normal = (q - p).cross(r - p);
-        [a, b, c].into_iter().for_each(|v| sums[v as usize] += normal);
-    }
-    let places = mesh.positions.iter().map(|&p| narrow(units.inside(p))).collect();
-    (places, sums.into_iter().map(|sum| narrow(sum.normalize_or_zero())).collect())
+    let places = object.mesh.positions.iter().map(|&p| narrow(units.inside(p))).collect();
+    (places, object.mesh.vertex_normals().into_iter().map(narrow).collect())
 }
 
 /// An object's deformed vertices, in internal units of its own frame; none where nothing deforms it.

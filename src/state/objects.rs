@@ -45,6 +45,8 @@ pub struct Object {
     pub scatters_once: bool,
     /// How many deformations it has.
     pub deforms: usize,
+    /// Whether its vertex normals are those of triangles that were divided.
+    pub whole_normals: bool,
     /// Whether its vertices follow joints.
     pub skinned: bool,
     /// Whether it, or any other object, lies elsewhere in the scene than in its own frame.

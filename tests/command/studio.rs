@@ -301,12 +301,15 @@ fn a_gallery_repeats_itself() {
     }
 
     // Built-in shapes come with scene files.
-    good(&here, &format!("gallery -o shapes --materials marble {environments} --size 16x16 --samples 1"));
+    let local = "--transport lambert";
+    good(&here, &format!("gallery -o shapes --materials marble {environments} --size 16x16 --samples 1 {local}"));
     let shapes = folder(&[]);
     for stem in ["torus-marble", "torus-marble-in-1"] {
         let scene = here.path().join(format!("shapes/{stem}.toml"));
-        let output = program(&shapes, &format!("render {} -o t.png", scene.display())).output().unwrap();
+        let output = program(&shapes, &format!("render {} {local} -o t.png", scene.display())).output().unwrap();
         assert!(output.status.success(), "{:?}", said(&output));
+        let command = format!("milkglass render {stem}.toml {local} -o {stem}.png");
+        assert!(read(&here, "shapes/index.html").contains(&command), "{command}");
         assert!(pixels(&shapes.path().join("t.png")) == pixels(&here.path().join(format!("shapes/{stem}.png"))));
     }
 }

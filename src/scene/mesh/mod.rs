@@ -50,6 +50,9 @@ pub struct Mesh {
     /// Texture coordinates of each triangle's corners, if it has any, one entry per triangle: (0, 0) is the lower left,
     /// (1, 1) the upper right corner of the texture.
     pub uvs: Option<Vec<[[f64; 2]; 3]>>,
+    /// Unit normals of the vertices that shading interpolates in place of those of the triangles around them: the parts
+    /// of a divided triangle lie in its plane, and have the normals of the whole.
+    pub normals: Option<Vec<DVec3>>,
     /// The number of edges with one triangle only; 0 when the mesh is closed.
     pub open_edges: usize,
     /// For a subdivided mesh, how often each triangle was split in four: the four parts are consecutive, the middle one
@@ -109,6 +112,17 @@ impl Mesh {
         let [a, b, c] = *self.triangles.get(triangle)?;
         let at = |index: u32| self.positions.get(index as usize).copied();
         Some([at(a)?, at(b)?, at(c)?])
+    }
+
+    /// Unit normals of the vertices, area-weighted; 0 where they cancel.
+    pub fn vertex_normals(&self) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; self.positions.len()];
+        for &[a, b, c] in &self.triangles {
+            let [p, q, r] = [a, b, c].map(|v| self.positions[v as usize]);
+            let normal = (q - p).cross(r - p);
+            [a, b, c].into_iter().for_each(|v| sums[v as usize] += normal);
+        }
+        sums.into_iter().map(DVec3::normalize_or_zero).collect()
     }
 
     /// The number of triangles at each vertex.

@@ -18,13 +18,17 @@ impl Finer {
     fn of(mesh: &Mesh) -> Self {
         let mut fine = Mesh { positions: mesh.positions.clone(), open_edges: mesh.open_edges, ..Mesh::default() };
         fine.uvs = mesh.uvs.as_ref().map(|_| Vec::new());
+        fine.normals.clone_from(&mesh.normals);
         Self { mesh: fine, from: Vec::new(), middles: HashMap::new() }
     }
 
     fn middle(&mut self, p: u32, q: u32) -> u32 {
-        let positions = &mut self.mesh.positions;
+        let Mesh { positions, normals, .. } = &mut self.mesh;
         *self.middles.entry([p.min(q), p.max(q)]).or_insert_with(|| {
             positions.push(0.5 * (positions[p as usize] + positions[q as usize]));
+            if let Some(normals) = normals {
+                normals.push((normals[p as usize] + normals[q as usize]).normalize_or(normals[p as usize]));
+            }
             positions.len() as u32 - 1
         })
     }
