@@ -3,6 +3,7 @@
 
 mod arguments;
 mod comparison;
+mod counted;
 mod gate;
 mod junit;
 mod pipe;
@@ -27,6 +28,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::view::atomic_file::ready;
+use milkglass::measure::interpreted::is_asked;
 use milkglass::measure::profile::file::{Saved, Subject, read};
 use milkglass::measure::profile::history::{self, Entry};
 use milkglass::measure::profile::roofline;
@@ -41,6 +43,9 @@ use milkglass::scene::Scene;
 
 /// Measures, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    if arguments.device.iter().any(|name| is_asked(Some(name))) {
+        return counted::run(arguments);
+    }
     arguments.check()?;
     ready(arguments.files())?;
     let model = arguments.model.as_deref().map(Model::read).transpose()?;
