@@ -239,7 +239,7 @@ impl<'a> Builder<'a> {
                 Op::Select => {
                     Some(if *values.first()?.get(k).or(values.first()?.first())? != 0 { own(1)? } else { own(2)? })
                 }
-                Op::Bitcast | Op::CopyObject | Op::UConvert | Op::SConvert => own(0),
+                Op::Bitcast | Op::CopyObject => own(0),
                 _ => None
                     .or_else(|| one(op).and_then(|f| Some(f(own(0)?))))
                     .or_else(|| two(op).and_then(|f| Some(f(own(0)?, own(1)?))))
