@@ -43,12 +43,14 @@ pub struct Given<'a> {
     pub push: &'a [u32],
     /// Specialization constants.
     pub special: &'a [(u32, u32)],
+    /// Whether sums take products in one step.
+    pub contracts: bool,
 }
 
 /// Runs a kernel, and watches it if asked to; returns its buffers, and what is wrong.
 pub fn run(words: &[u32], given: &Given<'_>, watched: bool) -> (Vec<Vec<u32>>, Vec<Finding>) {
     note(words);
-    let kernel = Kernel::new("own", words, &given.special.iter().copied().collect()).unwrap();
+    let kernel = Kernel::with("own", words, &given.special.iter().copied().collect(), given.contracts).unwrap();
     let own: Vec<Memory> = given.buffers.iter().map(|words| Memory::of(bytemuck::cast_slice(words))).collect();
     let part = |(memory, words): (usize, &Vec<u32>)| (memory as u32, Part { memory, first: 0, count: words.len() });
     let bound: BTreeMap<u32, Part> = given.buffers.iter().enumerate().map(part).collect();
@@ -476,7 +478,8 @@ void main() {
 ";
     let push = [3, bits(1.0), bits(2.0), bits(4.0), 5, 6];
     let special = [(0, 7), (1, 1), (3, 8)];
-    let given = Given { buffers: vec![vec![0; 2], vec![0; 96]], groups: [2, 3, 1], push: &push, special: &special };
+    let (buffers, groups) = (vec![vec![0; 2], vec![0; 96]], [2, 3, 1]);
+    let given = Given { buffers, groups, push: &push, special: &special, contracts: false };
     use shaderc::OptimizationLevel::{Performance, Zero};
     // From version 1.6 on, constants say how large a group is.
     let latest = compiled_for((shaderc::EnvVersion::Vulkan1_3, shaderc::SpirvVersion::V1_6), text, Zero);
@@ -487,6 +490,25 @@ void main() {
             let index = y % 2 * 8 + x % 8;
             assert_eq!(*found, 5 + (5 + y % 2) * 100 + 22 * 10_000 + y / 2 * 1_000_000 + index, "{at}");
         }
+    }
+}
+
+/// Whether a sum takes a product in one step where it may: not where it, or the product, is precise.
+#[test]
+fn products_are_contracted_as_asked() {
+    let body = "
+    precise float square = f(0) * f(0);
+    precise float rest = f(0) * f(0) - 1.0;
+    o[0] = w(f(0) * f(0) - 1.0); o[1] = w(1.0 - f(0) * f(0)); o[2] = w(-1.0 + f(0) * f(0));
+    o[3] = w(dot(vec2(f(0), 1.0), vec2(f(0), -1.0))); o[4] = w(square - 1.0); o[5] = w(rest);";
+    let words = compiled(&kernel("", &format!("if (lane > 0) return;\n{body}")), shaderc::OptimizationLevel::Zero);
+    let buffers = vec![vec![bits(1.0 + 2.0 * f32::EPSILON), 0], vec![0; 6]];
+    // The square of 1 + 2^-22 is 1 + 2^-21 + 2^-44: in two steps the last term is lost.
+    let two = 0x3500_0000u32;
+    for (contracts, one) in [(false, two), (true, two + 1)] {
+        let given = Given { buffers: buffers.clone(), groups: [1; 3], contracts, ..Given::default() };
+        let (after, _) = run(&words, &given, false);
+        assert_eq!(after[1], [one, one | 1 << 31, one, one, two, two], "{contracts}");
     }
 }
 

@@ -6,7 +6,8 @@ use spirq::spirv::{GLOp, Op};
 
 use super::code::{One, Three, Two};
 
-fn f(bits: u32) -> f32 {
+/// The float of these bits.
+pub(super) fn f(bits: u32) -> f32 {
     f32::from_bits(bits)
 }
 

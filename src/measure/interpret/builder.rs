@@ -49,10 +49,15 @@ pub(super) struct Builder<'a> {
     pub(super) taken: HashSet<u32>,
     /// How many instructions, numbers of values and edges have been made.
     pub(super) made: usize,
+    /// Whether sums take products in one step where nothing forbids it, and whether the instruction at hand may.
+    pub(super) may_contract: bool,
+    pub(super) contracts: bool,
+    /// Products that sums may take: by their register, those of the factors.
+    pub(super) products: HashMap<u32, (u32, u32)>,
 }
 
 /// The kernel of a module, with these values of specialization constants.
-pub(super) fn decoded(words: &[u32], special: &BTreeMap<u32, u32>) -> Decoded<Code> {
+pub(super) fn decoded(words: &[u32], special: &BTreeMap<u32, u32>, may_contract: bool) -> Decoded<Code> {
     let list: Vec<Instruction<'_>> = instructions(words).collect();
     let mut builder = Builder {
         list,
@@ -73,6 +78,9 @@ pub(super) fn decoded(words: &[u32], special: &BTreeMap<u32, u32>) -> Decoded<Co
         initial: Vec::new(),
         taken: HashSet::new(),
         made: 0,
+        may_contract,
+        contracts: false,
+        products: HashMap::new(),
     };
     let entry = builder.declarations(special)?;
     builder.kernel(entry)?;

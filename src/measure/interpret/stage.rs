@@ -28,11 +28,13 @@ pub struct Settings {
     pub subgroup: u32,
     /// Whether kernels count what they do, as on a device.
     pub counts: bool,
+    /// Whether sums take products in one step, as many compilers have it, wherever nothing forbids it.
+    pub contracts: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { lanes: LANES, subgroup: SUBGROUP, counts: false }
+        Self { lanes: LANES, subgroup: SUBGROUP, counts: false, contracts: false }
     }
 }
 
@@ -184,7 +186,7 @@ impl Interpreter {
         let counted = if self.settings.counts { counted(&words) } else { None };
         let (words, counting) = counted.map_or((words, None), |own| (own.words, Some(own.blocks)));
         let special = (0..).zip(constants.iter().copied()).chain(shape.iter().copied()).collect();
-        let kernel = Kernel::new(name, &words, &special)?;
+        let kernel = Kernel::with(name, &words, &special, self.settings.contracts)?;
         // The size of its groups, and what tells the kernel how items are shared.
         let (an_item, shares) = match shape[..] {
             [_, (_, count)] => (count, true),
