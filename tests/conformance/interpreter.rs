@@ -526,94 +526,11 @@ fn what_it_has_not_is_said() {
     }
 }
 
-/// Two invocations write five words each.
-const ASSEMBLED: &str = "
-    OpCapability Shader
-    OpMemoryModel Logical GLSL450
-    OpEntryPoint GLCompute %main \"main\" %out %input
-    OpExecutionMode %main LocalSize 2 1 1
-    OpDecorate %out DescriptorSet 0
-    OpDecorate %out Binding 1
-    OpDecorate %input BuiltIn LocalInvocationIndex
-    OpDecorate %words ArrayStride 4
-    OpMemberDecorate %record 0 Offset 0
-    OpDecorate %record Block
-    OpDecorate %on SpecId 0
-    %void = OpTypeVoid
-    %function = OpTypeFunction %void
-    %bool = OpTypeBool
-    %uint = OpTypeInt 32 0
-    %vector = OpTypeVector %uint 3
-    %words = OpTypeRuntimeArray %uint
-    %record = OpTypeStruct %words
-    %pair = OpTypeStruct %uint %vector
-    %to_record = OpTypePointer StorageBuffer %record
-    %to_word = OpTypePointer StorageBuffer %uint
-    %to_input = OpTypePointer Input %uint
-    %to_vector = OpTypePointer Function %vector
-    %out = OpVariable %to_record StorageBuffer
-    %input = OpVariable %to_input Input
-    %zero = OpConstant %uint 0
-    %one = OpConstant %uint 1
-    %two = OpConstant %uint 2
-    %three = OpConstant %uint 3
-    %four = OpConstant %uint 4
-    %five = OpConstant %uint 5
-    %nulls = OpConstantNull %vector
-    %off = OpConstantFalse %bool
-    %on = OpSpecConstantTrue %bool
-    %some = OpConstantComposite %vector %five %four %three
-    %both = OpConstantComposite %pair %four %some
-    %main = OpFunction %void None %function
-    %begin = OpLabel
-    %a = OpVariable %to_vector Function %some
-    %b = OpVariable %to_vector Function
-    OpNop
-    %lane = OpLoad %uint %input
-    OpCopyMemory %b %a
-    %there = OpCopyObject %to_vector %b
-    %loaded = OpLoad %vector %there
-    %value = OpCopyObject %vector %loaded
-    %inserted = OpCompositeInsert %vector %one %value 1
-    %set = OpVectorInsertDynamic %vector %inserted %two %lane
-    %sum = OpIAdd %vector %set %nulls
-    %word0 = OpCompositeExtract %uint %sum 0
-    %word1 = OpCompositeExtract %uint %sum 1
-    %word2 = OpCompositeExtract %uint %sum 2
-    %word3 = OpCompositeExtract %uint %both 0
-    %either = OpLogicalOr %bool %off %on
-    %word4 = OpSelect %uint %either %five %zero
-    %first = OpIMul %uint %lane %five
-    OpSelectionMerge %end None
-    OpBranchConditional %on %end %never
-    %never = OpLabel
-    OpUnreachable
-    %end = OpLabel\n";
-
-#[test]
-fn what_compilers_of_glsl_do_not_make() {
-    let store = |(k, number): (usize, &str)| {
-        format!(
-            "%at{k} = OpIAdd %uint %first %{number}\n%place{k} = OpInBoundsAccessChain %to_word %out %zero %at{k}\n\
-             OpStore %place{k} %word{k}\n"
-        )
-    };
-    let stores: String = ["zero", "one", "two", "three", "four"].into_iter().enumerate().map(store).collect();
-    let text = format!("{ASSEMBLED}{stores}OpReturn\nOpFunctionEnd\n");
-    let made = shaderc::Compiler::new().unwrap().assemble(&text, None).unwrap();
-    let given = Given { buffers: vec![vec![0], vec![0; 10]], groups: [1; 3], ..Given::default() };
-    for watched in [false, true] {
-        let (after, findings) = run(made.as_binary(), &given, watched);
-        assert!(findings.is_empty(), "{findings:?}");
-        assert_eq!(after[1], [2, 1, 3, 4, 5, 5, 2, 3, 4, 5]);
-    }
-}
-
 /// Instructions and functions of GLSL.std.450 that kernels of these tests have.
 static EXECUTED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
 /// Notes what a kernel is made of.
-fn note(words: &[u32]) {
+pub fn note(words: &[u32]) {
     let mut executed = EXECUTED.lock().unwrap_or_else(PoisonError::into_inner);
     let mut rest = &words[5..];
     while let Some(first) = rest.first() {
@@ -636,9 +553,10 @@ fn note(words: &[u32]) {
 /// The arithmetic has tables of its own: `src/measure/interpret/arithmetic/tests.rs`.
 #[test]
 fn every_instruction_has_a_test() {
+    use super::modules::instructions_that_few_compilers_make_have_the_values_computed_by_hand as few_compilers;
     [integers, floats, vectors_and_matrices, branches_and_loops, memory_of_all_kinds, atomic_operations, subgroups]
         .iter()
-        .chain(&[subgroups_in_their_rarer_ways, what_a_dispatch_gives, what_compilers_of_glsl_do_not_make])
+        .chain(&[subgroups_in_their_rarer_ways, what_a_dispatch_gives, few_compilers])
         .for_each(|test| test());
     let executed = EXECUTED.lock().unwrap_or_else(PoisonError::into_inner);
     let sources = [
