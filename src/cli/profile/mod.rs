@@ -64,9 +64,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return builds(arguments, program, &settings);
     }
     let scene = arguments.scene()?.load()?;
-    match arguments.device.as_slice() {
-        [] | [_] => {}
-        several => return devices(arguments, several, &scene, &settings),
+    if arguments.device.len() > 1 {
+        return devices(arguments, &scene, &settings);
     }
     let device = arguments.open(arguments.device.first())?;
     if arguments.serve {
@@ -196,7 +195,8 @@ fn builds(arguments: &Arguments, program: &Path, settings: &Settings) -> Result<
 }
 
 /// Times several devices side by side.
-fn devices(arguments: &Arguments, names: &[String], scene: &Scene, settings: &Settings) -> Result<()> {
+fn devices(arguments: &Arguments, scene: &Scene, settings: &Settings) -> Result<()> {
+    let names = &arguments.device;
     let opened = names.iter().map(|name| arguments.open(Some(name))).collect::<Result<Vec<_>>>()?;
     let mut results = Vec::new();
     let numbers: Vec<_> = opened.iter().map(|device| device.as_ref().map(|own| own.adapter().number)).collect();

@@ -1,6 +1,6 @@
 //! What instructions compute, number by number. Additions, multiplications, divisions and square roots round to
-//! nearest, as the specification has them or allows, and nothing is contracted; `Fma` rounds once; every other function
-//! is evaluated in 64 bits and rounded once.
+//! nearest, as the specification has them or allows; nothing is contracted unless that is asked for; `Fma` rounds once;
+//! every other function is evaluated in 64 bits and rounded once.
 
 use spirq::spirv::{GLOp, Op};
 
