@@ -28,30 +28,31 @@ use read::{Chains, Module};
 use write::Counters;
 
 pub use code::Code;
-pub(super) use tally::{Block, CHAIN};
+pub(crate) use tally::Block;
+use tally::CHAIN;
 pub use tally::{Chain, Tally, Traffic};
 #[cfg(feature = "measure")]
 pub(crate) use touch::touching;
 pub(crate) use write::BINDING;
 
 /// A kernel that counts.
-pub(super) struct Counted {
+pub(crate) struct Counted {
     /// Its SPIR-V.
-    pub(super) words: Vec<u32>,
+    pub(crate) words: Vec<u32>,
     /// Its blocks that count, in the order of their counters.
-    pub(super) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<Block>,
 }
 
 impl Counted {
     /// Words of a dispatch's counters: two a block, the lower one first, those of the longest [`Chain`], and two each
     /// of what subgroups issue and of how many there are.
-    pub(super) fn counters(blocks: &[Block]) -> usize {
+    pub(crate) fn counters(blocks: &[Block]) -> usize {
         2 * blocks.len() + CHAIN + 4
     }
 }
 
 /// The kernel with counters at [`BINDING`]; none where the SPIR-V is not of the kind that the build makes.
-pub(super) fn counted(words: &[u32]) -> Option<Counted> {
+pub(crate) fn counted(words: &[u32]) -> Option<Counted> {
     let module = Module::of(words);
     let blocks = blocks(&module, words);
     let mut out = Edited::begin(words)?;

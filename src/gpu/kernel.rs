@@ -24,6 +24,8 @@ use crate::phases::phase;
 
 pub(super) use meter::Meter;
 pub(super) use shape::Shape;
+#[cfg(feature = "measure")]
+pub(crate) use shape::most_lanes;
 pub use shape::set_by_device;
 pub(super) use subgroups::words_for;
 

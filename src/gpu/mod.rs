@@ -68,6 +68,8 @@ pub use execution::{EXECUTES, ExecutionCheck};
 pub use instance::Instance;
 #[cfg(feature = "measure")]
 pub(crate) use interface::{disassembled, interface};
+#[cfg(feature = "measure")]
+pub(crate) use kernel::most_lanes;
 pub use kernel::{Kernel, KernelKey, set_by_device};
 pub use kernels::Kernels;
 pub use list::{Place, Timing};

@@ -39,7 +39,7 @@ impl Session {
 
     /// The steps of a frame after this change; of a solver, as many as it took in the last frame, if one start was
     /// enough.
-    pub(super) fn steps_taken(&self, changes: impl Into<Changes>) -> Vec<Step> {
+    pub(crate) fn steps_taken(&self, changes: impl Into<Changes>) -> Vec<Step> {
         let mut steps = self.plan.steps(self.state(), changes);
         for SolveReport { object, steps: taken, .. } in &self.solves {
             let solver = |step: &Step| step.at.object == *object && iterates(step);

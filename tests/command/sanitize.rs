@@ -33,6 +33,22 @@ fn the_interpreter_is_a_device() {
 }
 
 #[test]
+fn a_profile_on_the_interpreter_counts_and_times_nothing() {
+    let here = folder(&[("a.toml", BALL)]);
+    let (out, _) = good(&here, "profile a.toml --set object.0.detail=0 --device interpreter --by kernel --csv c.csv");
+    assert!(out.contains("nothing is timed") && out.contains("transport/blocks/push "), "{out}");
+    let csv = crate::shell::read(&here, "c.csv");
+    let row = csv.lines().find(|row| row.contains("transport/blocks/push")).unwrap();
+    // The scene, the kernel, a dispatch, a group of 64.
+    assert!(row.starts_with("a,transport/blocks/push,1,64,"), "{csv}");
+    for (option, key) in [("--frames 3", "--frames"), ("--as h100", "--as"), ("--fail-slower 1%", "--fail-slower")] {
+        bad(&here, &format!("profile a.toml --device interpreter {option}"), 2, &[key, "times nothing"]);
+    }
+    bad(&here, "profile a.toml --device interpreter --save r.json", 2, &["--json", "times nothing"]);
+    bad(&here, "profile a.toml --device interpreter --device 0", 2, &["several --device", "times nothing"]);
+}
+
+#[test]
 fn a_case_is_replayed_on_the_interpreter() {
     let here = folder(&[]);
     good(&here, "dump push --fixture sliver --no-validation -o sound");

@@ -5,12 +5,14 @@ use std::collections::BTreeSet;
 use super::features::{ball, features};
 use crate::devices::on_devices;
 use milkglass::internals::gpu::count::Traffic;
-use milkglass::internals::gpu::{Device, KernelKey, SingleKernel};
+use milkglass::internals::gpu::{Choices, Device, KernelKey, SingleKernel, Timed};
 use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::frame::{STAGES, stage};
 use milkglass::internals::pipeline::plan::{Change, Mode, Options};
 use milkglass::internals::session::run::Session;
-use milkglass::measure::profile::{Open, Settings, against, profile};
+use milkglass::internals::state::Width;
+use milkglass::measure::interpret::stage::{self, Interpreter};
+use milkglass::measure::profile::{Open, Settings, Work, against, interpreted, profile, work};
 use milkglass::scene::Scene;
 
 static COUNT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-count.spv"));
@@ -160,6 +162,40 @@ fn a_profile_hangs_together() {
         // Slow frames reduce the number of frames.
         let few = profile(&scene, Some(device), &Settings { frames: 9, enough: 0.0, ..Settings::default() }).unwrap();
         assert_eq!((few.frames, few.trace.len()), (3, 3));
+    });
+}
+
+/// What the interpreter counts is what a device of its width counts, but for what devices choose: which invocations a
+/// subgroup runs together, how wide a group is that goes through all elements alone, and on llvmpipe that a subgroup
+/// needs no barrier and that no group climbs. Which triangles a shaft meets depends on how its bounds round.
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn the_interpreter_counts_what_devices_do() {
+    let scene = ball(&["object.0.detail=1", "camera.size=[16, 12]"]);
+    let settings = Settings::default();
+    on_devices(|device| {
+        for lanes in [1, 64] {
+            let choices = Choices { lanes: Some(lanes), timed: Timed::Kernels, ..device.choices().clone() };
+            let device = device.opened_as(&choices).unwrap();
+            let counts = work(&scene, &device, &settings).unwrap();
+            let subgroup = Width::of(&device).subgroup as u32;
+            let interpreter =
+                Interpreter::with(stage::Settings { lanes, subgroup, counts: true, contracts: false }, Vec::new());
+            let rows = interpreted(&scene, &interpreter, &settings, Timed::Kernels).unwrap();
+            assert_eq!(rows.iter().map(|row| &row.stage).collect::<BTreeSet<_>>(), counts.keys().collect());
+            for row in &rows {
+                let [own, other] = [row.work, counts[&row.stage]].map(|work| Work { issued: 0, ..work });
+                let place = format!("{}, {lanes} lanes: {}", device.name(), row.stage);
+                match row.stage.as_str() {
+                    name if lanes > 1 && (name.ends_with("/cluster") || name.ends_with("/scan")) => {}
+                    "view/visibility" | "lighting/shadow" => {
+                        assert_eq!((own.loaded, own.stored), (other.loaded, other.stored), "{place}");
+                        assert!(own.flops.abs_diff(other.flops) < own.flops / 50, "{place}: {own:?}, {other:?}");
+                    }
+                    _ => assert_eq!(own, other, "{place}"),
+                }
+            }
+        }
     });
 }
 

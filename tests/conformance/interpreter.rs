@@ -1,7 +1,10 @@
 //! The interpreter, class by class of instructions, against values computed by hand. Each kernel is compiled with and
 //! without optimization: without, it has variables, functions and calls.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, PoisonError};
+
+use spirq::spirv::{GLOp, Op};
 
 use milkglass::measure::interpret::{Finding, Kernel, Launched, MOST_BLOCKS, Memory, Part};
 
@@ -10,10 +13,19 @@ const SUBGROUP: u32 = 32;
 
 /// A kernel's SPIR-V, with lines of its GLSL.
 pub fn compiled(text: &str, level: shaderc::OptimizationLevel) -> Vec<u32> {
+    compiled_for((shaderc::EnvVersion::Vulkan1_2, shaderc::SpirvVersion::V1_5), text, level)
+}
+
+/// The same for a version of Vulkan and SPIR-V.
+fn compiled_for(
+    (vulkan, spirv): (shaderc::EnvVersion, shaderc::SpirvVersion),
+    text: &str,
+    level: shaderc::OptimizationLevel,
+) -> Vec<u32> {
     let compiler = shaderc::Compiler::new().unwrap();
     let mut options = shaderc::CompileOptions::new().unwrap();
-    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
-    options.set_target_spirv(shaderc::SpirvVersion::V1_5);
+    options.set_target_env(shaderc::TargetEnv::Vulkan, vulkan as u32);
+    options.set_target_spirv(spirv);
     options.set_optimization_level(level);
     options.set_generate_debug_info();
     let made = compiler.compile_into_spirv(text, shaderc::ShaderKind::Compute, "own.comp", "main", Some(&options));
@@ -31,11 +43,14 @@ pub struct Given<'a> {
     pub push: &'a [u32],
     /// Specialization constants.
     pub special: &'a [(u32, u32)],
+    /// Whether sums take products in one step.
+    pub contracts: bool,
 }
 
 /// Runs a kernel, and watches it if asked to; returns its buffers, and what is wrong.
 pub fn run(words: &[u32], given: &Given<'_>, watched: bool) -> (Vec<Vec<u32>>, Vec<Finding>) {
-    let kernel = Kernel::new("own", words, &given.special.iter().copied().collect()).unwrap();
+    note(words);
+    let kernel = Kernel::with("own", words, &given.special.iter().copied().collect(), given.contracts).unwrap();
     let own: Vec<Memory> = given.buffers.iter().map(|words| Memory::of(bytemuck::cast_slice(words))).collect();
     let part = |(memory, words): (usize, &Vec<u32>)| (memory as u32, Part { memory, first: 0, count: words.len() });
     let bound: BTreeMap<u32, Part> = given.buffers.iter().enumerate().map(part).collect();
@@ -284,6 +299,7 @@ fn branches_and_loops() {
 fn memory_of_all_kinds() {
     let before = "
 struct Pair { uint first; float second[3]; };
+layout(binding = 0, scalar) buffer Pairs { Pair given[]; };
 shared Pair pairs[64];
 shared uint turned[64];
 uint own[8];
@@ -300,14 +316,17 @@ void fill(out uint list[4], inout uint n) { for (uint k = 0; k < 4; ++k) list[k]
     pair.second[lane % 3] += 1.0;
     o[lane] = own[lane % 8] + 100 * pair.first + list[lane % 4];
     o[64 + lane] = uint(pair.second[lane % 3]) + 1000 * turned[lane];
-    o[128 + lane] = uint(x.length()) + uint(o.length());";
-    let found = written(before, body, &[5, 6, 7], 192);
+    o[128 + lane] = uint(x.length()) + uint(o.length());
+    pair = given[0];
+    o[192 + lane] = pair.first + w(pair.second[lane % 3]);";
+    let found = written(before, body, &[5, 6, 7, 8], 256);
     for lane in 0..64u32 {
         let (next, back) = ((lane + 1) % 64, 63 - lane);
         assert_eq!(found[lane as usize], (lane % 8).pow(2) + 100 * next + lane % 4 * lane, "{lane}");
         let second = [1, next, 3][lane as usize % 3] + 1;
         assert_eq!(found[64 + lane as usize], second + 1000 * (2 * back + 1), "{lane}");
-        assert_eq!(found[128 + lane as usize], 3 + 192, "{lane}");
+        assert_eq!(found[128 + lane as usize], 4 + 256, "{lane}");
+        assert_eq!(found[192 + lane as usize], 5 + 6 + lane % 3, "{lane}");
     }
 }
 
@@ -324,11 +343,16 @@ fn atomic_operations() {
     atomicCompSwap(o[5], lane, lane + 1);
     if (lane == 0) { o[6] = atomicExchange(o[7], 9); o[8] = place; }
     barrier();
-    if (lane == 0) o[9] = all[0] + 10000 * all[1];";
-    let start = [99, 0, 0, 1, 0xffff, 0, 0, 4, 0, 0];
+    if (lane == 0) {
+        o[9] = all[0] + 10000 * all[1];
+        atomicStore(o[10], 7u, gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsRelaxed);
+        memoryBarrierBuffer();
+        o[11] = atomicLoad(o[10], gl_ScopeDevice, gl_StorageSemanticsBuffer, gl_SemanticsRelaxed) + 1;
+    }";
+    let start = [99, 0, 0, 1, 0xffff, 0, 0, 4, 0, 0, 0, 0];
     let given = Given { buffers: vec![vec![0; 2], start.to_vec()], groups: [1; 3], ..Given::default() };
     let found = check(&kernel(before, body), &given);
-    assert_eq!(found, [5, 63, u32::MAX, 1, 0xff00, 64, 4, 9, 0, 642_016]);
+    assert_eq!(found, [5, 63, u32::MAX, 1, 0xff00, 64, 4, 9, 0, 642_016, 7, 8]);
 }
 
 /// What groups load by atomic operations does not depend on how many processors there are.
@@ -454,14 +478,37 @@ void main() {
 ";
     let push = [3, bits(1.0), bits(2.0), bits(4.0), 5, 6];
     let special = [(0, 7), (1, 1), (3, 8)];
-    let given = Given { buffers: vec![vec![0; 2], vec![0; 96]], groups: [2, 3, 1], push: &push, special: &special };
-    for level in [shaderc::OptimizationLevel::Zero, shaderc::OptimizationLevel::Performance] {
-        let (after, _) = run(&compiled(text, level), &given, false);
+    let (buffers, groups) = (vec![vec![0; 2], vec![0; 96]], [2, 3, 1]);
+    let given = Given { buffers, groups, push: &push, special: &special, contracts: false };
+    use shaderc::OptimizationLevel::{Performance, Zero};
+    // From version 1.6 on, constants say how large a group is.
+    let latest = compiled_for((shaderc::EnvVersion::Vulkan1_3, shaderc::SpirvVersion::V1_6), text, Zero);
+    for words in [compiled(text, Zero), compiled(text, Performance), latest] {
+        let (after, _) = run(&words, &given, false);
         for (at, found) in (0u32..).zip(&after[1]) {
             let (x, y) = (at % 16, at / 16);
             let index = y % 2 * 8 + x % 8;
             assert_eq!(*found, 5 + (5 + y % 2) * 100 + 22 * 10_000 + y / 2 * 1_000_000 + index, "{at}");
         }
+    }
+}
+
+/// Whether a sum takes a product in one step where it may: not where it, or the product, is precise.
+#[test]
+fn products_are_contracted_as_asked() {
+    let body = "
+    precise float square = f(0) * f(0);
+    precise float rest = f(0) * f(0) - 1.0;
+    o[0] = w(f(0) * f(0) - 1.0); o[1] = w(1.0 - f(0) * f(0)); o[2] = w(-1.0 + f(0) * f(0));
+    o[3] = w(dot(vec2(f(0), 1.0), vec2(f(0), -1.0))); o[4] = w(square - 1.0); o[5] = w(rest);";
+    let words = compiled(&kernel("", &format!("if (lane > 0) return;\n{body}")), shaderc::OptimizationLevel::Zero);
+    let buffers = vec![vec![bits(1.0 + 2.0 * f32::EPSILON), 0], vec![0; 6]];
+    // The square of 1 + 2^-22 is 1 + 2^-21 + 2^-44: in two steps the last term is lost.
+    let two = 0x3500_0000u32;
+    for (contracts, one) in [(false, two), (true, two + 1)] {
+        let given = Given { buffers: buffers.clone(), groups: [1; 3], contracts, ..Given::default() };
+        let (after, _) = run(&words, &given, false);
+        assert_eq!(after[1], [one, one | 1 << 31, one, one, two, two], "{contracts}");
     }
 }
 
@@ -477,4 +524,52 @@ fn what_it_has_not_is_said() {
     for words in [&[][..], &[0x0723_0203, 0, 0, 9, 0, 0x0004_0015, 1], &[0x0723_0203, 0, 0, 9, 0, 0x0003_003d, 1, 2]] {
         assert!(Kernel::new("own", words, &BTreeMap::new()).is_err());
     }
+}
+
+/// Instructions and functions of GLSL.std.450 that kernels of these tests have.
+static EXECUTED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+
+/// Notes what a kernel is made of.
+pub fn note(words: &[u32]) {
+    let mut executed = EXECUTED.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut rest = &words[5..];
+    while let Some(first) = rest.first() {
+        let (own, after) = rest.split_at((first >> 16) as usize);
+        rest = after;
+        let Some(op) = Op::from_u32(first & 0xffff) else { continue };
+        executed.insert(format!("Op::{op:?}"));
+        match (op, own) {
+            (Op::ExtInst, [_, _, _, _, number, ..]) => {
+                executed.extend(GLOp::from_u32(*number).map(|function| format!("GLOp::{function:?}")));
+            }
+            (Op::SpecConstantOp, [_, _, _, number, ..]) => {
+                executed.extend(Op::from_u32(*number).map(|op| format!("Op::{op:?}")));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The arithmetic has tables of its own: `src/measure/interpret/arithmetic/tests.rs`.
+#[test]
+fn every_instruction_has_a_test() {
+    use super::modules::instructions_that_few_compilers_make_have_the_values_computed_by_hand as few_compilers;
+    [integers, floats, vectors_and_matrices, branches_and_loops, memory_of_all_kinds, atomic_operations, subgroups]
+        .iter()
+        .chain(&[subgroups_in_their_rarer_ways, what_a_dispatch_gives, few_compilers])
+        .for_each(|test| test());
+    let executed = EXECUTED.lock().unwrap_or_else(PoisonError::into_inner);
+    let sources = [
+        include_str!("../../src/measure/interpret/builder.rs"),
+        include_str!("../../src/measure/interpret/function.rs"),
+        include_str!("../../src/measure/interpret/instruction.rs"),
+        include_str!("../../src/measure/interpret/pointers.rs"),
+        include_str!("../../src/measure/interpret/types.rs"),
+    ];
+    let words = sources.iter().flat_map(|text| text.split(|c: char| !c.is_alphanumeric() && !":_".contains(c)));
+    let known: BTreeSet<&str> = words
+        .filter(|word| (word.starts_with("Op::") || word.starts_with("GLOp::")) && !word.ends_with("from_u32"))
+        .collect();
+    let left: Vec<&&str> = known.iter().filter(|name| !executed.contains(**name)).collect();
+    assert!(known.len() > 100 && left.is_empty(), "of {} instructions no test has {left:?}", known.len());
 }

@@ -4,6 +4,7 @@ use crate::devices::on_devices;
 use milkglass::internals::gpu::Choices;
 use milkglass::measure::conform::conform_stages;
 use milkglass::measure::fixtures::{Fixture, fixture};
+use milkglass::measure::interpret::stage::{Interpreter, Settings};
 use milkglass::measure::vary::{Proof, computed_steps, proof};
 use milkglass::scene::Scene;
 
@@ -79,6 +80,35 @@ fn bits_are_the_same_at_every_width() {
                 }
             }
         });
+    }
+}
+
+/// What no driver here does: it takes each product that it may into a sum, which one of a GPU may do at one width and
+/// not at another.
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn bits_are_the_same_at_every_width_where_sums_take_products() {
+    for fixture in [coarse(), fixture("diffusion in a ball").unwrap()] {
+        let at = |contracts: bool| {
+            let with = |lanes: u32| Interpreter::with(Settings { lanes, contracts, ..Settings::default() }, Vec::new());
+            [1, 32, 128].map(with)
+        };
+        let (both, mut state, mut changed) = ([false, true].map(at), fixture.state.clone(), Vec::new());
+        for step in &fixture.steps {
+            let bits = |interpreter: &Interpreter| {
+                let mut own = state.clone();
+                interpreter.run(&state, *step, false).unwrap().write(&mut own);
+                step.stage.writes.iter().map(|(id, ..)| own.data.bytes(*id).to_vec()).collect::<Vec<_>>()
+            };
+            let [apart, contracted] = both.each_ref().map(|widths| {
+                let [alone, some, all] = widths.each_ref().map(bits);
+                assert!(alone == some && alone == all, "{}: {step}", fixture.name);
+                alone
+            });
+            changed.extend((apart != contracted).then_some(step.stage.name));
+            step.reference(&mut state);
+        }
+        assert!(changed.contains(&"gather") || changed.contains(&"boundary_integrals"), "{changed:?}");
     }
 }
 

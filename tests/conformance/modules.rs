@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
+use super::interpreter::note;
 use milkglass::internals::gpu::{kernel_names, spirv};
 use milkglass::measure::interpret::{Kernel, Launched, MOST_BLOCKS, Memory, Part};
 use milkglass::measure::statistics::Random;
@@ -96,7 +97,7 @@ fn what_is_malformed_is_refused_by_what_is_wrong() {
 }
 
 #[test]
-fn instructions_that_few_compilers_make_have_the_values_computed_by_hand() {
+pub fn instructions_that_few_compilers_make_have_the_values_computed_by_hand() {
     let store = |k: u32, id: &str| format!("%o{k} = OpAccessChain %to %out %0 %k{k}\nOpStore %o{k} {id}\n");
     let mut declarations = "OpDecorate %array ArrayStride 4
 OpMemberDecorate %block 0 Offset 0
@@ -112,7 +113,8 @@ OpDecorate %out Binding 0
     .to_string();
     (0..12).for_each(|k| writeln!(declarations, "%k{k} = OpConstant %uint {k}").unwrap());
     declarations += "%v = OpConstantComposite %uvec3 %k2 %k3 %k5\n%p = OpConstantComposite %pair %k3 %k7\n\
-                     %q = OpConstantComposite %pair %k4 %k8\n%false = OpConstantFalse %bool";
+                     %q = OpConstantComposite %pair %k4 %k8\n%false = OpConstantFalse %bool\n\
+                     %on = OpSpecConstantTrue %bool\n%null = OpConstantNull %uvec3";
     let parts = [
         "%a = OpVectorInsertDynamic %uvec3 %v %k7 %k1\n%a1 = OpVectorExtractDynamic %uint %a %k1\n".into(),
         store(0, "%a1") + "%a2 = OpCompositeExtract %uint %a 2\n" + &store(1, "%a2"),
@@ -125,18 +127,23 @@ OpDecorate %out Binding 0
         store(7, "%e") + "%f = OpAtomicIIncrement %uint %o6 %k1 %k0\n%g = OpAtomicIIncrement %uint %o6 %k1 %k0\n",
         store(8, "%g") + "%h = OpAtomicIDecrement %uint %o6 %k1 %k0\n%i = OpSelect %pair %false %p %q\n",
         "%j = OpCompositeExtract %uint %i 1\n".to_string() + &store(9, "%j"),
+        "OpNop\n%m = OpIAdd %uvec3 %v %null\n%m1 = OpCompositeExtract %uint %m 1\n%n = OpCopyObject %uint %m1\n".into(),
+        "%or = OpLogicalOr %bool %false %on\n%r = OpSelect %uint %or %n %0\n".into(),
+        "%o10 = OpInBoundsAccessChain %to %out %0 %k10\nOpStore %o10 %r\nOpSelectionMerge %end None\n".into(),
+        "OpBranchConditional %on %end %never\n%never = OpLabel\nOpUnreachable\n%end = OpLabel\n".into(),
     ];
     let mut words = assembled(&declarations, &body(&parts.concat()));
     // The assembler has no OpCopyLogical.
-    words.iter_mut().filter(|word| **word == 0x4_0053).for_each(|word| *word = 0x4_0190);
+    words.iter_mut().find(|word| **word == 0x4_0053).into_iter().for_each(|word| *word = 0x4_0190);
+    note(&words);
     let kernel = Kernel::new("own", &words, &BTreeMap::new()).unwrap();
     let (memory, part) = (Memory::of(&[0; 4 * 12]), Part { memory: 0, first: 0, count: 12 });
     let (bound, memory) = (BTreeMap::from([(0, part)]), [&memory]);
     let launched =
         Launched { groups: [1; 3], push: &[], bound: &bound, memory: &memory, subgroup: 32, most_blocks: MOST_BLOCKS };
     kernel.run(&launched).unwrap();
-    let found: Vec<u32> = (0..10).map(|word| memory[0].get(word)).collect();
-    assert_eq!(found, [7, 5, 7, 5, 9, 3, 10, 9, 10, 8]);
+    let found: Vec<u32> = (0..11).map(|word| memory[0].get(word)).collect();
+    assert_eq!(found, [7, 5, 7, 5, 9, 3, 10, 9, 10, 8, 3]);
 }
 
 /// Types made of each other: `%t1` of `%t0`, and so on.

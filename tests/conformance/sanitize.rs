@@ -72,6 +72,12 @@ const FAULTS: &[(Kind, &str, &str)] = &[
     (Kind::Undefined, "", "uvec4 v = subgroupBallot(x[lane] > 30); // here\no[lane] = v.x;"),
     (Kind::Undefined, "", "uint v = subgroupBallotBitCount(uvec4(x[lane])); // here\no[lane] = v;"),
     (Kind::Undefined, "", "bool v = subgroupInverseBallot(uvec4(x[lane])); // here\no[lane] = uint(v);"),
+    (Kind::Race, "", "atomicCompSwap(x[2], 3, 5);\no[lane] = x[2]; // here"),
+    (
+        Kind::Race,
+        "",
+        "if (lane == 0) o[0] = 1;\nuint v = atomicCompSwap(o[0], 9, 5); // here\nif (v < 5) o[1 + lane] = v;",
+    ),
     (Kind::Race, LOADED, "if (lane == 0) o[0] = 1;\nuint v = LOADED; // here\nif (v < 5) o[1 + lane] = v;"),
     // One that only loads hands nothing over.
     (
@@ -127,6 +133,8 @@ fn what_is_ordered_is_no_fault() {
              if (lane > 0 && atomicAdd(o[0], 1) == 62) {\nmemoryBarrierBuffer();\nuint sum = 0;\n\
              for (uint k = 1; k < 64; ++k) sum += o[1 + k];\no[200] = sum; }",
         ),
+        // Nothing is written where the word is another one than the compared.
+        ("", "atomicCompSwap(x[0], 9, 5);\no[64 * gl_WorkGroupID.x + lane] = x[0];"),
         // A value that does not matter.
         ("", "uint v = x[lane];\nif (lane < 40) o[64 * gl_WorkGroupID.x + lane] = v;"),
         (LOADED, "uint v = LOADED + o[0];\no[1 + 64 * gl_WorkGroupID.x + lane] = v;"),

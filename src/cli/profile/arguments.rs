@@ -32,7 +32,7 @@ pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
     /// `cpu`, a device's number in `milkglass devices`, or part of its name [default: the best Vulkan device]; several
-    /// are timed in turn and compared.
+    /// are timed in turn and compared. `interpreter` needs no device: it counts what kernels do, and times nothing.
     #[arg(long, value_name = "DEVICE")]
     pub(super) device: Vec<String>,
     #[command(flatten)]
@@ -196,6 +196,40 @@ impl Arguments {
         Err(refused(key, what).expected(expected).into())
     }
 
+    /// Fails if something is asked for that has to be timed.
+    pub(super) fn counts_only(&self) -> Result<()> {
+        let files = self.files().into_iter().map(|(key, file)| (key, file.is_some() && key != "--csv"));
+        let asked = [
+            ("several --device", self.device.len() > 1),
+            ("--frames", self.timing.frames.is_some()),
+            ("--until", self.timing.until.is_some()),
+            ("--budget", self.timing.budget.is_some()),
+            ("--alternate", self.alternate.is_some()),
+            ("--compare", !self.compare.is_empty()),
+            ("--against", self.against.is_some()),
+            ("--why", self.why),
+            ("--as", self.model.is_some()),
+            ("--serve", self.serve),
+        ];
+        let gate = self.gate.idle(false, false);
+        match asked.into_iter().chain(files).find(|(_, given)| *given).map(|(key, _)| key).or(gate) {
+            Some(key) => {
+                let fault = Input::new("the interpreter counts what kernels do, and times nothing").key(key);
+                Err(fault.found("--device interpreter").expected("a device that `milkglass devices` lists").into())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// What has a row of its own.
+    pub(super) fn timed(&self) -> Timed {
+        match self.by {
+            By::Stage => Timed::Steps,
+            By::Kernel => Timed::Kernels,
+            By::Dispatch => Timed::Dispatches,
+        }
+    }
+
     /// Fails if the device has not what an option needs.
     pub(super) fn suits(&self, device: Option<&Device>) -> Result<()> {
         let needs = [
@@ -243,11 +277,7 @@ impl Arguments {
 
     /// The device as it times what has times of its own.
     pub(super) fn timing(&self, device: Option<Device>) -> Result<Option<Device>> {
-        let timed = match self.by {
-            By::Stage => Timed::Steps,
-            By::Kernel => Timed::Kernels,
-            By::Dispatch => Timed::Dispatches,
-        };
+        let timed = self.timed();
         let lanes = self.model.as_ref().map(|_| u32::MAX);
         let device = match device {
             device if timed == Timed::Steps && lanes.is_none() => device,

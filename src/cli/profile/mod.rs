@@ -3,6 +3,7 @@
 
 mod arguments;
 mod comparison;
+mod counted;
 mod gate;
 mod junit;
 mod pipe;
@@ -27,6 +28,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::view::atomic_file::ready;
+use milkglass::measure::interpreted::is_asked;
 use milkglass::measure::profile::file::{Saved, Subject, read};
 use milkglass::measure::profile::history::{self, Entry};
 use milkglass::measure::profile::roofline;
@@ -41,6 +43,9 @@ use milkglass::scene::Scene;
 
 /// Measures, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    if arguments.device.iter().any(|name| is_asked(Some(name))) {
+        return counted::run(arguments);
+    }
     arguments.check()?;
     ready(arguments.files())?;
     let model = arguments.model.as_deref().map(Model::read).transpose()?;
@@ -59,9 +64,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return builds(arguments, program, &settings);
     }
     let scene = arguments.scene()?.load()?;
-    match arguments.device.as_slice() {
-        [] | [_] => {}
-        several => return devices(arguments, several, &scene, &settings),
+    if arguments.device.len() > 1 {
+        return devices(arguments, &scene, &settings);
     }
     let device = arguments.open(arguments.device.first())?;
     if arguments.serve {
@@ -192,7 +196,8 @@ fn builds(arguments: &Arguments, program: &Path, settings: &Settings) -> Result<
 }
 
 /// Times several devices side by side.
-fn devices(arguments: &Arguments, names: &[String], scene: &Scene, settings: &Settings) -> Result<()> {
+fn devices(arguments: &Arguments, scene: &Scene, settings: &Settings) -> Result<()> {
+    let names = &arguments.device;
     let opened = names.iter().map(|name| arguments.open(Some(name))).collect::<Result<Vec<_>>>()?;
     let mut results = Vec::new();
     let numbers: Vec<_> = opened.iter().map(|device| device.as_ref().map(|own| own.adapter().number)).collect();

@@ -12,7 +12,7 @@ fn milliseconds(spread: Option<Quantiles>) -> [String; 2] {
 }
 
 /// A count in millions.
-fn millions(count: u64) -> String {
+pub(super) fn millions(count: u64) -> String {
     let millions = count as f64 * 1e-6;
     if millions == 0.0 || millions >= 0.1 { format!("{millions:.1}") } else { format!("{millions:.4}") }
 }

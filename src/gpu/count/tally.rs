@@ -6,7 +6,7 @@ use super::code::Code;
 
 /// What a block does when it runs once.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in super::super) struct Block {
+pub(crate) struct Block {
     /// Whether the kernel begins with it.
     pub(super) entry: bool,
     /// Additions and multiplications.
@@ -56,7 +56,7 @@ impl Traffic {
 }
 
 /// Numbers of a [`Chain`].
-pub(in super::super) const CHAIN: usize = 3;
+pub(super) const CHAIN: usize = 3;
 
 /// What an invocation goes through one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,7 +72,7 @@ pub struct Chain {
 
 impl Chain {
     /// From its numbers, in their order.
-    pub(in super::super) fn of([steps, loads, shared]: [u32; CHAIN]) -> Self {
+    fn of([steps, loads, shared]: [u32; CHAIN]) -> Self {
         Self { steps: steps.into(), loads: loads.into(), shared: shared.into() }
     }
 
@@ -123,15 +123,14 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// What the blocks have done together in a dispatch, each having run `counts` times.
-    pub(in super::super) fn new(
-        blocks: &[Block],
-        counts: &[u64],
-        longest: Chain,
-        [issued, subgroups]: [u64; 2],
-    ) -> Self {
+    /// What the blocks have done together in a dispatch, from its [`counters`](super::Counted::counters).
+    pub(crate) fn new(blocks: &[Block], counters: &[u32]) -> Self {
+        let (counts, ends) = counters.split_at(2 * blocks.len());
+        let number = |both: &[u32]| u64::from(both[1]) << 32 | u64::from(both[0]);
+        let (longest, [issued, subgroups]) =
+            (Chain::of([ends[0], ends[1], ends[2]]), [0, 2].map(|k| number(&ends[CHAIN + k..])));
         let mut tally = Self { dispatches: 1, longest, issued, subgroups, ..Self::default() };
-        for (block, &count) in blocks.iter().zip(counts) {
+        for (block, count) in blocks.iter().zip(counts.chunks(2).map(number)) {
             tally.invocations += if block.entry { count } else { 0 };
             tally.flops += count * u64::from(block.flops);
             tally.roots += count * u64::from(block.roots);

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::{Kernel, Shape};
 use crate::error::Result;
-use crate::gpu::count::{Block, CHAIN, Chain, Counted, Tally, counted};
+use crate::gpu::count::{Block, Counted, Tally, counted};
 use crate::gpu::logical_device::LogicalDevice;
 use crate::gpu::memory::Buffer;
 use crate::gpu::reflect::{has_subgroups, reflect};
@@ -66,17 +66,7 @@ impl Meter {
         }
         self.counters.download(bytemuck::cast_slice_mut(&mut words))?;
         self.counters.upload(&vec![0; 4 * words.len()])?;
-        let tally = |words: &[u32]| {
-            let (counts, ends) = words.split_at(2 * self.blocks.len());
-            let number = |both: &[u32]| u64::from(both[1]) << 32 | u64::from(both[0]);
-            let counts: Vec<u64> = counts.chunks(2).map(number).collect();
-            Tally::new(
-                &self.blocks,
-                &counts,
-                Chain::of([ends[0], ends[1], ends[2]]),
-                [number(&ends[CHAIN..]), number(&ends[CHAIN + 2..])],
-            )
-        };
+        let tally = |words: &[u32]| Tally::new(&self.blocks, words);
         let mut tallies: Vec<((u64, String), Tally)> =
             dispatches.into_iter().zip(words.chunks(stride).map(tally)).collect();
         if let Some((_, last)) = tallies.last_mut() {

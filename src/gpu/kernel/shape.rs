@@ -71,7 +71,7 @@ impl Shape {
 /// At most so many invocations share an item of this kernel. A block has some 150 distant emitters, so that more
 /// than 32 invocations seldom have a run each: 48 us with 128, 35 with 32 (H200, a bunny of 69,451 faces). The
 /// bisection of a table's entry takes 5 steps at once with 32, and 7 with 128, which is four times the work.
-fn most_lanes(name: &str) -> u32 {
+pub(crate) fn most_lanes(name: &str) -> u32 {
     if name.ends_with("/expand") || name.ends_with("/table") { 32 } else { MOST_LANES }
 }
 

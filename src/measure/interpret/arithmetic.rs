@@ -1,12 +1,13 @@
 //! What instructions compute, number by number. Additions, multiplications, divisions and square roots round to
-//! nearest, as the specification has them or allows, and nothing is contracted; `Fma` rounds once; every other function
-//! is evaluated in 64 bits and rounded once.
+//! nearest, as the specification has them or allows; nothing is contracted unless that is asked for; `Fma` rounds once;
+//! every other function is evaluated in 64 bits and rounded once.
 
 use spirq::spirv::{GLOp, Op};
 
 use super::code::{One, Three, Two};
 
-fn f(bits: u32) -> f32 {
+/// The float of these bits.
+pub(super) fn f(bits: u32) -> f32 {
     f32::from_bits(bits)
 }
 

@@ -49,10 +49,15 @@ pub(super) struct Builder<'a> {
     pub(super) taken: HashSet<u32>,
     /// How many instructions, numbers of values and edges have been made.
     pub(super) made: usize,
+    /// Whether sums take products in one step where nothing forbids it, and whether the instruction at hand may.
+    pub(super) may_contract: bool,
+    pub(super) contracts: bool,
+    /// Products that sums may take: by their register, those of the factors.
+    pub(super) products: HashMap<u32, (u32, u32)>,
 }
 
 /// The kernel of a module, with these values of specialization constants.
-pub(super) fn decoded(words: &[u32], special: &BTreeMap<u32, u32>) -> Decoded<Code> {
+pub(super) fn decoded(words: &[u32], special: &BTreeMap<u32, u32>, may_contract: bool) -> Decoded<Code> {
     let list: Vec<Instruction<'_>> = instructions(words).collect();
     let mut builder = Builder {
         list,
@@ -73,6 +78,9 @@ pub(super) fn decoded(words: &[u32], special: &BTreeMap<u32, u32>) -> Decoded<Co
         initial: Vec::new(),
         taken: HashSet::new(),
         made: 0,
+        may_contract,
+        contracts: false,
+        products: HashMap::new(),
     };
     let entry = builder.declarations(special)?;
     builder.kernel(entry)?;
@@ -239,7 +247,7 @@ impl<'a> Builder<'a> {
                 Op::Select => {
                     Some(if *values.first()?.get(k).or(values.first()?.first())? != 0 { own(1)? } else { own(2)? })
                 }
-                Op::Bitcast | Op::CopyObject | Op::UConvert | Op::SConvert => own(0),
+                Op::Bitcast | Op::CopyObject => own(0),
                 _ => None
                     .or_else(|| one(op).and_then(|f| Some(f(own(0)?))))
                     .or_else(|| two(op).and_then(|f| Some(f(own(0)?, own(1)?))))

@@ -135,8 +135,11 @@ pub(super) enum Change {
     Store,
     /// The word and the operand give the new word.
     Apply(Two),
-    /// The operand takes its place if it equals this register.
-    Compare(u32),
+    /// The operand takes its place if it equals this register; if not, it is only loaded, with these semantics.
+    Compare {
+        with: u32,
+        unequal: u32,
+    },
 }
 
 /// An atomic operation.

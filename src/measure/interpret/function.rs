@@ -1,11 +1,13 @@
-//! The functions of a module as blocks. What a function calls is decoded in place of the call.
+//! The functions of a module as blocks. What a function calls is decoded in place of the call. A branch that a constant
+//! decides is none, as compilers have it.
 
 use std::collections::{HashMap, HashSet};
 
 use spirq::spirv::Op;
 
-use super::builder::{Builder, Value};
+use super::builder::{Builder, Value, part_of};
 use super::code::{Act, Block, Decoded, Edge, End};
+use super::memory::is_undefined;
 
 /// Where an edge leads that leaves the function, until the block after the call is there.
 const BACK: usize = usize::MAX;
@@ -35,6 +37,8 @@ struct Frame {
     open: bool,
     /// What the last instruction says of where ways meet: labels.
     merges: Vec<u32>,
+    /// The labels of blocks that have ended and go on with a label: not where constants close the way.
+    before: HashMap<u32, HashSet<u32>>,
 }
 
 fn edge(label: u32) -> Edge {
@@ -154,17 +158,8 @@ impl Builder<'_> {
         if !merges.is_empty() && !matches!(op, Op::Branch | Op::BranchConditional | Op::Switch) {
             return Err(format!("it has Op{op:?} where ways have to part that meet again"));
         }
-        let end = match (op, operands) {
-            (Op::Phi, [ty, id, from @ ..]) => {
-                let count = self.types.count(*ty)?;
-                let first = self.registers(count);
-                let registers: Vec<u32> = (first..first + count).collect();
-                self.set(*id, Value::Numbers(*ty, registers.clone()));
-                self.made += from.len();
-                let from = from.chunks_exact(2).map(|pair| (pair[1], pair[0])).collect();
-                frame.phis.entry(frame.label).or_default().push(Phi { registers, from });
-                return Ok(());
-            }
+        let mut end = match (op, operands) {
+            (Op::Phi, [ty, id, from @ ..]) => return self.phi((*ty, *id), from, frame),
             (Op::LoopMerge, [merge, on, ..]) => {
                 frame.merges = vec![*merge, *on];
                 return Ok(());
@@ -178,7 +173,11 @@ impl Builder<'_> {
             }
             (Op::Branch, [to]) => End::Jump(edge(*to)),
             (Op::BranchConditional, [on, yes, no, ..]) => {
-                End::Branch { on: self.single(*on)?, yes: edge(*yes), no: edge(*no) }
+                let on = self.single(*on)?;
+                match self.constant(on).filter(|known| !is_undefined(*known)) {
+                    Some(known) => End::Jump(edge(if known == 0 { *no } else { *yes })),
+                    None => End::Branch { on, yes: edge(*yes), no: edge(*no) },
+                }
             }
             (Op::Switch, [on, otherwise, cases @ ..]) => {
                 let cases = cases.chunks_exact(2).map(|pair| (pair[0], edge(pair[1]))).collect();
@@ -196,9 +195,35 @@ impl Builder<'_> {
         };
         frame.open = false;
         if matches!(op, Op::Branch | Op::BranchConditional | Op::Switch) {
+            let reached = frame.first.len() == 1 || frame.before.contains_key(&frame.label);
+            for edge in end.edges_mut().into_iter().filter(|_| reached) {
+                frame.before.entry(edge.to as u32).or_default().insert(frame.label);
+            }
             frame.ends.push((self.blocks.len() - 1, frame.label, merges));
         }
         self.end_block(end, op);
+        Ok(())
+    }
+
+    /// Decodes a choice by the block before.
+    fn phi(&mut self, (ty, id): (u32, u32), from: &[u32], frame: &mut Frame) -> Decoded<()> {
+        let count = self.types.count(ty)?;
+        self.made += from.len();
+        // What comes by one way only is no choice. A block that has not ended may come back to this one.
+        let ended = |label: u32| frame.before.get(&frame.label).is_some_and(|before| before.contains(&label));
+        let comes = |label: u32| ended(label) || label == frame.label || !frame.first.contains_key(&label);
+        if let [only] = from.chunks_exact(2).filter(|pair| comes(pair[1])).collect::<Vec<_>>()[..]
+            && ended(only[1])
+        {
+            let numbers = part_of(&self.numbers(only[0])?, 0, count)?;
+            self.set(id, Value::Numbers(ty, numbers));
+            return Ok(());
+        }
+        let first = self.registers(count);
+        let registers: Vec<u32> = (first..first + count).collect();
+        self.set(id, Value::Numbers(ty, registers.clone()));
+        let from = from.chunks_exact(2).map(|pair| (pair[1], pair[0])).collect();
+        frame.phis.entry(frame.label).or_default().push(Phi { registers, from });
         Ok(())
     }
 

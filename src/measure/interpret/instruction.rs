@@ -1,10 +1,10 @@
 //! The instructions of a function that compute values, one at a time.
 
-use spirq::spirv::{GLOp, Op};
+use spirq::spirv::{Decoration, GLOp, Op};
 
-use super::arithmetic::{double, glsl_one, glsl_three, glsl_two, one, ones, three, two};
+use super::arithmetic::{double, f, glsl_one, glsl_three, glsl_two, one, ones, three, two};
 use super::builder::{Builder, Value, part_of};
-use super::code::{Act, Decoded, Two};
+use super::code::{Act, Decoded, Three, Two};
 
 /// One more than the operands of any computation.
 const MOST_OPERANDS: usize = 5;
@@ -23,6 +23,7 @@ impl Builder<'_> {
             (_, [ty, id, of @ ..]) => (*ty, *id, of),
             _ => return Err(format!("it has Op{op:?}")),
         };
+        self.contracts = self.may_contract && self.types.decoration(id, Decoration::NoContraction).is_none();
         let numbers = match op {
             Op::ExtInst => return self.extended(ty, id, of),
             _ => match self.renamed(op, ty, of)? {
@@ -100,7 +101,7 @@ impl Builder<'_> {
         }
         match (op, all.len()) {
             (Op::VectorTimesScalar | Op::MatrixTimesScalar, 2) => {
-                Ok(a.iter().map(|x| self.two(two_of(Op::FMul), *x, b[0], site)).collect())
+                Ok(a.iter().map(|x| self.two(Op::FMul, *x, b[0], site)).collect())
             }
             (Op::Dot, 2) => Ok(vec![self.dot(a, b, site)]),
             (Op::MatrixTimesVector, 2) => Ok(self.times(all[0].0, a, b, site)?),
@@ -113,12 +114,12 @@ impl Builder<'_> {
             (Op::OuterProduct, 2) => {
                 let mut products = Vec::new();
                 for y in b {
-                    products.extend(a.iter().map(|x| self.two(two_of(Op::FMul), *x, *y, site)));
+                    products.extend(a.iter().map(|x| self.two(Op::FMul, *x, *y, site)));
                 }
                 Ok(products)
             }
-            (Op::Any, 1) => Ok(vec![self.fold(two_of(Op::LogicalOr), a, site)]),
-            (Op::All, 1) => Ok(vec![self.fold(two_of(Op::LogicalAnd), a, site)]),
+            (Op::Any, 1) => Ok(vec![self.fold(Op::LogicalOr, a, site)]),
+            (Op::All, 1) => Ok(vec![self.fold(Op::LogicalAnd, a, site)]),
             (Op::Select, 3) => {
                 let pairs = b.iter().zip(list(2)).enumerate();
                 let select = |(k, (yes, no)): (usize, (&u32, &u32))| {
@@ -133,7 +134,7 @@ impl Builder<'_> {
                 let index = list(2)[0];
                 let insert = |(k, old): (u32, &u32)| {
                     let here = self.number(k);
-                    let (on, d) = (self.two(two_of(Op::IEqual), index, here, site), self.registers(1));
+                    let (on, d) = (self.two(Op::IEqual, index, here, site), self.registers(1));
                     self.act(Act::Select { d, on, yes: b[0], no: *old }, site);
                     d
                 };
@@ -150,18 +151,25 @@ impl Builder<'_> {
         if let (Some(both), [a, b]) = (double(op), &lists[..]) {
             let pairs = || a.iter().zip(*b);
             let results = both.into_iter().flat_map(|f| pairs().map(move |(a, b)| (f, *a, *b)));
-            return Ok(results.collect::<Vec<_>>().into_iter().map(|(f, a, b)| self.two(f, a, b, site)).collect());
+            return Ok(results
+                .collect::<Vec<_>>()
+                .into_iter()
+                .map(|(f, a, b)| self.function_of_two(f, a, b, site))
+                .collect());
         }
         let count = self.types.count(ty)? as usize;
         // A field's place is one for all components.
         let own = |list: &[u32], k: usize| list.get(k).or(list.first()).copied().unwrap_or_default();
         let mut found = Vec::with_capacity(count);
         for k in 0..count {
+            if let (Some(_), [a, b]) = (two(op), &lists[..]) {
+                found.push(self.two(op, own(a, k), own(b, k), site));
+                continue;
+            }
             let d = self.registers(1);
-            let act = match (one(op), two(op), three(op), &lists[..]) {
-                (Some(f), _, _, [a]) => Act::One { f, d, a: own(a, k) },
-                (_, Some(f), _, [a, b]) => Act::Two { f, d, a: own(a, k), b: own(b, k) },
-                (_, _, Some(f), [a, b, c]) => Act::Three { f, d, a: own(a, k), b: own(b, k), c: own(c, k) },
+            let act = match (one(op), three(op), &lists[..]) {
+                (Some(f), _, [a]) => Act::One { f, d, a: own(a, k) },
+                (_, Some(f), [a, b, c]) => Act::Three { f, d, a: own(a, k), b: own(b, k), c: own(c, k) },
                 _ => return Err(format!("it has Op{op:?}")),
             };
             self.act(act, site);
@@ -183,20 +191,20 @@ impl Builder<'_> {
         let numbers = match (function, &all[..]) {
             (GLOp::Length, [a]) => vec![self.length(a, site)],
             (GLOp::Distance, [a, b]) => {
-                let between = self.pairs(two_of(Op::FSub), a, b, site);
+                let between = self.pairs(Op::FSub, a, b, site);
                 vec![self.length(&between, site)]
             }
             (GLOp::Normalize, [a]) => {
                 let length = self.length(a, site);
-                a.iter().map(|x| self.two(two_of(Op::FDiv), *x, length, site)).collect()
+                a.iter().map(|x| self.two(Op::FDiv, *x, length, site)).collect()
             }
             (GLOp::Cross, [a, b]) => self.cross(a, b, site),
             (GLOp::Reflect, [i, n]) => {
                 // i - 2 (n . i) n
                 let (along, twice) = (self.dot(n, i, site), self.number(2f32.to_bits()));
-                let twice = self.two(two_of(Op::FMul), twice, along, site);
-                let part: Vec<u32> = n.iter().map(|n| self.two(two_of(Op::FMul), twice, *n, site)).collect();
-                self.pairs(two_of(Op::FSub), i, &part, site)
+                let twice = self.two(Op::FMul, twice, along, site);
+                let part: Vec<u32> = n.iter().map(|n| self.two(Op::FMul, twice, *n, site)).collect();
+                self.pairs(Op::FSub, i, &part, site)
             }
             _ => self.functions_of_numbers(function, ty, &all, site)?,
         };
@@ -221,27 +229,51 @@ impl Builder<'_> {
         Ok(found)
     }
 
+    /// The register of an operation of two numbers. A sum takes a product in one step where it may.
+    fn two(&mut self, op: Op, a: u32, b: u32, site: u32) -> u32 {
+        let product = |d: u32| self.products.get(&d).filter(|_| self.contracts).copied();
+        let fused: Option<(Three, (u32, u32), u32)> = match (op, product(a), product(b)) {
+            (Op::FAdd, Some(of), _) => Some((|x, y, c| f(x).mul_add(f(y), f(c)).to_bits(), of, b)),
+            (Op::FAdd, _, Some(of)) => Some((|x, y, c| f(x).mul_add(f(y), f(c)).to_bits(), of, a)),
+            (Op::FSub, Some(of), _) => Some((|x, y, c| f(x).mul_add(f(y), -f(c)).to_bits(), of, b)),
+            (Op::FSub, _, Some(of)) => Some((|x, y, c| (-f(x)).mul_add(f(y), f(c)).to_bits(), of, a)),
+            _ => None,
+        };
+        let d = match fused {
+            Some((f, (a, b), c)) => {
+                let d = self.registers(1);
+                self.act(Act::Three { f, d, a, b, c }, site);
+                d
+            }
+            None => self.function_of_two(two(op).unwrap_or(|_, _| 0), a, b, site),
+        };
+        if op == Op::FMul && self.contracts {
+            self.products.insert(d, (a, b));
+        }
+        d
+    }
+
     /// The register of a function of two numbers.
-    fn two(&mut self, f: Two, a: u32, b: u32, site: u32) -> u32 {
+    fn function_of_two(&mut self, f: Two, a: u32, b: u32, site: u32) -> u32 {
         let d = self.registers(1);
         self.act(Act::Two { f, d, a, b }, site);
         d
     }
 
-    fn pairs(&mut self, f: Two, a: &[u32], b: &[u32], site: u32) -> Vec<u32> {
-        a.iter().zip(b).map(|(a, b)| self.two(f, *a, *b, site)).collect()
+    fn pairs(&mut self, op: Op, a: &[u32], b: &[u32], site: u32) -> Vec<u32> {
+        a.iter().zip(b).map(|(a, b)| self.two(op, *a, *b, site)).collect()
     }
 
-    fn fold(&mut self, f: Two, list: &[u32], site: u32) -> u32 {
+    fn fold(&mut self, op: Op, list: &[u32], site: u32) -> u32 {
         let mut list = list.iter().copied();
         let first = list.next().unwrap_or_default();
-        list.fold(first, |sum, x| self.two(f, sum, x, site))
+        list.fold(first, |sum, x| self.two(op, sum, x, site))
     }
 
     /// A scalar product: products, and then their sum from the first to the last.
     fn dot(&mut self, a: &[u32], b: &[u32], site: u32) -> u32 {
-        let products = self.pairs(two_of(Op::FMul), a, b, site);
-        self.fold(two_of(Op::FAdd), &products, site)
+        let products = self.pairs(Op::FMul, a, b, site);
+        self.fold(Op::FAdd, &products, site)
     }
 
     fn length(&mut self, a: &[u32], site: u32) -> u32 {
@@ -254,9 +286,9 @@ impl Builder<'_> {
     fn cross(&mut self, a: &[u32], b: &[u32], site: u32) -> Vec<u32> {
         let at = |list: &[u32], k: usize| list.get(k % 3).copied().unwrap_or_default();
         let component = |k: usize| {
-            let plus = self.two(two_of(Op::FMul), at(a, k + 1), at(b, k + 2), site);
-            let minus = self.two(two_of(Op::FMul), at(a, k + 2), at(b, k + 1), site);
-            self.two(two_of(Op::FSub), plus, minus, site)
+            let plus = self.two(Op::FMul, at(a, k + 1), at(b, k + 2), site);
+            let minus = self.two(Op::FMul, at(a, k + 2), at(b, k + 1), site);
+            self.two(Op::FSub, plus, minus, site)
         };
         (0..3).map(component).collect()
     }
@@ -276,7 +308,7 @@ impl Builder<'_> {
         let last = vector.last().copied().unwrap_or_default();
         vector.iter().enumerate().rev().skip(1).fold(last, |rest, (k, own)| {
             let here = self.number(k as u32);
-            let (on, d) = (self.two(two_of(Op::IEqual), index, here, site), self.registers(1));
+            let (on, d) = (self.two(Op::IEqual, index, here, site), self.registers(1));
             self.act(Act::Select { d, on, yes: *own, no: rest }, site);
             d
         })
@@ -284,9 +316,9 @@ impl Builder<'_> {
 
     /// Numbers with others in a field of bits: its first bit, and its length.
     fn inserted(&mut self, base: &[u32], insert: &[u32], (first, count): (u32, u32), site: u32) -> Vec<u32> {
-        let mask = self.two(|first, count| ones(count).checked_shl(first).unwrap_or(0), first, count, site);
+        let mask = self.function_of_two(|first, count| ones(count).checked_shl(first).unwrap_or(0), first, count, site);
         let one = |(base, insert): (&u32, &u32)| {
-            let moved = self.two(two_of(Op::ShiftLeftLogical), *insert, first, site);
+            let moved = self.two(Op::ShiftLeftLogical, *insert, first, site);
             let d = self.registers(1);
             let f = |base: u32, moved: u32, mask: u32| base & !mask | moved & mask;
             self.act(Act::Three { f, d, a: *base, b: moved, c: mask }, site);
@@ -294,9 +326,4 @@ impl Builder<'_> {
         };
         base.iter().zip(insert).map(one).collect()
     }
-}
-
-/// The function of an operation that has one.
-fn two_of(op: Op) -> Two {
-    two(op).unwrap_or(|_, _| 0)
 }

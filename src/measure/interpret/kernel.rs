@@ -45,8 +45,13 @@ impl Kernel {
     /// The kernel of this SPIR-V with these values of specialization constants, by their ids; fails where it has what
     /// the interpreter has not.
     pub fn new(name: &str, words: &[u32], special: &BTreeMap<u32, u32>) -> Result<Self> {
+        Self::with(name, words, special, false)
+    }
+
+    /// The same; if it `contracts`, a sum takes a product in one step, rounded once, wherever nothing forbids it.
+    pub fn with(name: &str, words: &[u32], special: &BTreeMap<u32, u32>, contracts: bool) -> Result<Self> {
         let fault = |what: String| Error::device(format!("interpreting kernel {name}"), what);
-        let code = super::builder::decoded(words, special).map_err(fault)?;
+        let code = super::builder::decoded(words, special, contracts).map_err(fault)?;
         let count = code.group.iter().try_fold(1u32, |all, count| all.checked_mul(*count));
         if !count.is_some_and(|count| (1..=MOST_INVOCATIONS).contains(&count)) {
             return Err(fault(format!(
@@ -74,13 +79,13 @@ impl Kernel {
 
     /// Runs a dispatch; returns how many instructions of SPIR-V its invocations have executed together.
     pub fn run(&self, launched: &Launched<'_>) -> Result<u64> {
-        self.with(launched, None)
+        self.launch(launched, None)
     }
 
     /// Runs a dispatch and watches it: also returns what is wrong, and which words of buffers became infinite or NaN.
     pub(super) fn watched(&self, launched: &Launched<'_>) -> Result<(u64, Vec<Finding>, Suspects)> {
         let mut watch = Watch::new(&self.name, &self.code, launched.subgroup);
-        let executed = self.with(launched, Some(&mut watch))?;
+        let executed = self.launch(launched, Some(&mut watch))?;
         Ok((executed, watch.findings, watch.infinite))
     }
 
@@ -108,7 +113,7 @@ impl Kernel {
         &self.code.buffers
     }
 
-    fn with(&self, launched: &Launched<'_>, watch: Option<&mut Watch<'_>>) -> Result<u64> {
+    fn launch(&self, launched: &Launched<'_>, watch: Option<&mut Watch<'_>>) -> Result<u64> {
         let fault = |what: String| Error::device(format!("interpreting kernel {}", self.name), what);
         let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
         let push: Vec<u32> = launched.push.chunks_exact(4).map(word).collect();

@@ -68,8 +68,9 @@ impl Builder<'_> {
             (Op::AtomicLoad, [ty, id, pointer, _, semantics]) => {
                 (Some((*ty, *id)), *pointer, *semantics, Change::Load, self.number(0))
             }
-            (Op::AtomicCompareExchange, [ty, id, pointer, _, semantics, _, value, compared]) => {
-                let change = Change::Compare(self.single(*compared)?);
+            (Op::AtomicCompareExchange, [ty, id, pointer, _, semantics, unequal, value, compared]) => {
+                let with = self.single(*compared)?;
+                let change = Change::Compare { with, unequal: self.known_number(*unequal)? };
                 (Some((*ty, *id)), *pointer, *semantics, change, self.single(*value)?)
             }
             (op, [ty, id, pointer, _, semantics, value @ ..]) => {

@@ -403,16 +403,22 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
     fn atomic(&mut self, atomic: &Atomic, at: u32, lanes: &[u16]) {
         for lane in lanes {
             let operand = self.get(atomic.a, *lane);
-            let touch = Touch::Atomic {
-                semantics: atomic.semantics,
-                reads: !matches!(atomic.change, Change::Store),
-                writes: !matches!(atomic.change, Change::Load),
+            let compared = if let Change::Compare { with, .. } = atomic.change { self.get(with, *lane) } else { 0 };
+            // One that finds another word only loads it.
+            let (semantics, writes) = match atomic.change {
+                Change::Load => (atomic.semantics, false),
+                Change::Compare { unequal, .. } => {
+                    let place = self.place(&atomic.pointer, self.word(&atomic.pointer, *lane), *lane);
+                    let equal = place.is_none_or(|place| self.read(place) == compared);
+                    (if equal { atomic.semantics } else { unequal }, equal)
+                }
+                Change::Store | Change::Apply(_) => (atomic.semantics, true),
             };
+            let touch = Touch::Atomic { semantics, reads: !matches!(atomic.change, Change::Store), writes };
             let Some(place) = self.touched(&atomic.pointer, (0, touch), at, *lane) else {
                 self.set(atomic.d, *lane, 0);
                 continue;
             };
-            let compared = if let Change::Compare(register) = atomic.change { self.get(register, *lane) } else { 0 };
             let old = match place {
                 Place::Buffer { memory, word } => {
                     let memory = self.launch.memory[memory];
@@ -420,7 +426,7 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                         Change::Load => memory.get(word),
                         Change::Store => memory.apply(word, |_, new| new, operand),
                         Change::Apply(f) => memory.apply(word, f, operand),
-                        Change::Compare(_) => memory.exchange(word, compared, operand),
+                        Change::Compare { .. } => memory.exchange(word, compared, operand),
                     }
                 }
                 Place::Shared(at) | Place::Register(at) => {
@@ -430,7 +436,7 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                         Change::Load => old,
                         Change::Store => operand,
                         Change::Apply(f) => f(old, operand),
-                        Change::Compare(_) => {
+                        Change::Compare { .. } => {
                             if old == compared {
                                 operand
                             } else {
@@ -462,8 +468,8 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
             Act::Atomic(atomic) => {
                 let atomic = &code.atomics[atomic as usize];
                 self.check(atomic.a, at, lanes);
-                if let Change::Compare(compared) = atomic.change {
-                    self.check(compared, at, lanes);
+                if let Change::Compare { with, .. } = atomic.change {
+                    self.check(with, at, lanes);
                 }
             }
             Act::Team(team) => {

@@ -1,6 +1,6 @@
 //! The dispatches of a stage on the interpreter: the same list that a device would get, on copies of the state's
 //! buffers. The device that they are made for shares items among [`LANES`] invocations and has subgroups of
-//! [`SUBGROUP`].
+//! [`SUBGROUP`], unless [`Settings`] say otherwise.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -9,7 +9,8 @@ use std::rc::Rc;
 use super::memory::is_undefined;
 use super::{Finding, Kernel, Launched, MOST_BLOCKS, Memory, Part, Suspects};
 use crate::error::{Error, Result};
-use crate::gpu::{KernelKey, set_by_device, spirv};
+use crate::gpu::count::{BINDING, Block, Counted, Tally, counted};
+use crate::gpu::{KernelKey, most_lanes, set_by_device, spirv};
 use crate::layout::{BUFFER_IDS, BufferId, GROUPS_A_ROW, MOST_LANES};
 use crate::state::{Call, Groups, State, Step, Width, requested};
 
@@ -18,9 +19,37 @@ pub const LANES: u32 = MOST_LANES;
 /// Invocations of a subgroup.
 pub const SUBGROUP: u32 = 32;
 
+/// How kernels run.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Invocations that share an item, in kernels that can.
+    pub lanes: u32,
+    /// Invocations of a subgroup.
+    pub subgroup: u32,
+    /// Whether kernels count what they do, as on a device.
+    pub counts: bool,
+    /// Whether sums take products in one step, as many compilers have it, wherever nothing forbids it.
+    pub contracts: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { lanes: LANES, subgroup: SUBGROUP, counts: false, contracts: false }
+    }
+}
+
+impl Settings {
+    /// The width of the device that this makes.
+    #[must_use]
+    pub fn width(self) -> Width {
+        Width { subgroup: self.subgroup as usize, shares: self.lanes > 1 }
+    }
+}
+
 /// Kernels as the interpreter has them, each decoded once.
 #[derive(Default)]
 pub struct Interpreter {
+    settings: Settings,
     /// The SPIR-V of kernels that do not come from the build, by name.
     replaced: BTreeMap<String, Vec<u32>>,
     prepared: RefCell<BTreeMap<KernelKey, Rc<Prepared>>>,
@@ -33,6 +62,8 @@ struct Prepared {
     an_item: u32,
     /// Whether the groups of an indirect dispatch are in the next element.
     shares: bool,
+    /// The blocks that count, if it counts.
+    counting: Option<Vec<Block>>,
 }
 
 /// What a step's dispatches have done.
@@ -46,6 +77,8 @@ pub struct Ran {
     pub dispatches: usize,
     /// Their kernels.
     pub kernels: BTreeSet<String>,
+    /// What each dispatch has done, after its kernel's name, where kernels count.
+    pub tallies: Vec<(String, Tally)>,
     findings: Vec<Finding>,
     suspects: Vec<(Rc<Prepared>, Suspects)>,
 }
@@ -54,7 +87,19 @@ impl Interpreter {
     /// The interpreter with these kernels in place of built-in ones.
     #[must_use]
     pub fn new(replaced: Vec<(String, Vec<u32>)>) -> Self {
-        Self { replaced: replaced.into_iter().collect(), ..Self::default() }
+        Self::with(Settings::default(), replaced)
+    }
+
+    /// The same with these settings.
+    #[must_use]
+    pub fn with(settings: Settings, replaced: Vec<(String, Vec<u32>)>) -> Self {
+        Self { settings, replaced: replaced.into_iter().collect(), ..Self::default() }
+    }
+
+    /// How its kernels run.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        self.settings
     }
 
     /// The kernels that do not come from the build.
@@ -65,40 +110,42 @@ impl Interpreter {
     /// Runs a step's dispatches on copies of the state's buffers; if they are `watched`, finds what is wrong.
     pub fn run(&self, state: &State, step: Step, watched: bool) -> Result<Ran> {
         let mut ran = Ran::default();
-        let width = Width { subgroup: SUBGROUP as usize, shares: true };
-        requested(state, step, width, &mut |call| self.dispatch(state, call, &mut ran, watched))?;
+        requested(state, step, self.settings.width(), &mut |call| self.dispatch(state, call, &mut ran, watched))?;
         Ok(ran)
     }
 
     fn dispatch(&self, state: &State, call: &Call<'_>, ran: &mut Ran, watched: bool) -> Result<()> {
         let prepared = self.prepared(call.kernel, call.constants)?;
-        let group = u64::from(prepared.kernel.group());
-        let groups = match call.groups {
-            Groups::Invocations(count) => {
-                let groups = (count as u64 * u64::from(prepared.an_item)).div_ceil(group);
-                let row = u64::from(GROUPS_A_ROW);
-                [groups.min(row), groups.div_ceil(row), 1].map(|count| count as u32)
-            }
-            Groups::Whole(count) => [count as u32, 1, 1],
-            Groups::Counted { slot, element } => {
-                let Part { memory, first, .. } = ran.part(state, slot, call);
-                let words = slot.spec().stride / 4 * (element + usize::from(prepared.shares));
-                let (from, memory) = (first + words, &ran.buffers[memory].1);
-                let counts = [0, 1, 2].map(|k| if from + k < memory.len() { memory.get(from + k) } else { 0 });
-                if watched && counts.into_iter().any(is_undefined) {
-                    let name = slot.spec().name;
-                    let what = format!("the groups are counted by words of {name} that nothing wrote: {counts:#x?}");
-                    ran.findings.push(prepared.kernel.uncounted(what));
+        let count = prepared.counting.as_ref().map_or(0, |blocks| Counted::counters(blocks));
+        let counters = Memory::of(&vec![0; 4 * count]);
+        match ran.groups(state, call, &prepared, watched) {
+            None => return Ok(()),
+            // A device has counters for what it finds to have no groups.
+            Some(groups) if groups.contains(&0) => {
+                if !matches!(call.groups, Groups::Counted { .. }) {
                     return Ok(());
                 }
-                counts
             }
-        };
-        if groups.contains(&0) {
-            return Ok(());
+            Some(groups) => self.launch(state, (call, groups), (&prepared, &counters), ran, watched)?,
         }
+        if let Some(blocks) = &prepared.counting {
+            let counters: Vec<u32> = (0..count).map(|word| counters.get(word)).collect();
+            ran.tallies.push((call.kernel.to_string(), Tally::new(blocks, &counters)));
+        }
+        Ok(())
+    }
+
+    /// Runs groups of a dispatch; what they count goes to `counters`.
+    fn launch(
+        &self,
+        state: &State,
+        (call, groups): (&Call<'_>, [u32; 3]),
+        (prepared, counters): (&Rc<Prepared>, &Memory),
+        ran: &mut Ran,
+        watched: bool,
+    ) -> Result<()> {
         let mut bound = BTreeMap::new();
-        for binding in prepared.kernel.bindings() {
+        for binding in prepared.kernel.bindings().iter().filter(|binding| **binding != BINDING) {
             let doing = || format!("interpreting kernel {}", call.kernel);
             let id = BUFFER_IDS.get(*binding as usize);
             let id = id.ok_or_else(|| Error::device(doing(), format!("nothing is bound at {binding}")))?;
@@ -106,9 +153,11 @@ impl Interpreter {
         }
         ran.dispatches += 1;
         ran.kernels.insert(call.kernel.to_string());
-        let memory: Vec<&Memory> = ran.buffers.iter().map(|(_, memory)| memory).collect();
-        let (push, bound, memory) = (call.push, &bound, &memory[..]);
-        let launched = Launched { groups, push, bound, memory, subgroup: SUBGROUP, most_blocks: MOST_BLOCKS };
+        let mut memory: Vec<&Memory> = ran.buffers.iter().map(|(_, memory)| memory).collect();
+        bound.insert(BINDING, Part { memory: memory.len(), first: 0, count: counters.len() });
+        memory.push(counters);
+        let (push, bound, memory, subgroup) = (call.push, &bound, &memory[..], self.settings.subgroup);
+        let launched = Launched { groups, push, bound, memory, subgroup, most_blocks: MOST_BLOCKS };
         if watched {
             let (executed, findings, suspects) = prepared.kernel.watched(&launched)?;
             ran.executed += executed;
@@ -133,21 +182,49 @@ impl Interpreter {
                 spirv(name).ok_or_else(missing)?.chunks_exact(4).map(word).collect()
             }
         };
-        let shape = set_by_device(name, &words, LANES);
+        let shape = set_by_device(name, &words, self.settings.lanes.min(most_lanes(name)));
+        let counted = if self.settings.counts { counted(&words) } else { None };
+        let (words, counting) = counted.map_or((words, None), |own| (own.words, Some(own.blocks)));
         let special = (0..).zip(constants.iter().copied()).chain(shape.iter().copied()).collect();
-        let kernel = Kernel::new(name, &words, &special)?;
+        let kernel = Kernel::with(name, &words, &special, self.settings.contracts)?;
         // The size of its groups, and what tells the kernel how items are shared.
         let (an_item, shares) = match shape[..] {
             [_, (_, count)] => (count, true),
             _ => (1, false),
         };
-        let prepared = Rc::new(Prepared { kernel, an_item, shares });
+        let prepared = Rc::new(Prepared { kernel, an_item, shares, counting });
         self.prepared.borrow_mut().insert(key, prepared.clone());
         Ok(prepared)
     }
 }
 
 impl Ran {
+    /// The groups of a dispatch; none where they are counted by words that nothing wrote, which is a finding.
+    fn groups(&mut self, state: &State, call: &Call<'_>, prepared: &Prepared, watched: bool) -> Option<[u32; 3]> {
+        let group = u64::from(prepared.kernel.group());
+        Some(match call.groups {
+            Groups::Invocations(count) => {
+                let groups = (count as u64 * u64::from(prepared.an_item)).div_ceil(group);
+                let row = u64::from(GROUPS_A_ROW);
+                [groups.min(row), groups.div_ceil(row), 1].map(|count| count as u32)
+            }
+            Groups::Whole(count) => [count as u32, 1, 1],
+            Groups::Counted { slot, element } => {
+                let Part { memory, first, .. } = self.part(state, slot, call);
+                let words = slot.spec().stride / 4 * (element + usize::from(prepared.shares));
+                let (from, memory) = (first + words, &self.buffers[memory].1);
+                let counts = [0, 1, 2].map(|k| if from + k < memory.len() { memory.get(from + k) } else { 0 });
+                if watched && counts.into_iter().any(is_undefined) {
+                    let name = slot.spec().name;
+                    let what = format!("the groups are counted by words of {name} that nothing wrote: {counts:#x?}");
+                    self.findings.push(prepared.kernel.uncounted(what));
+                    return None;
+                }
+                counts
+            }
+        })
+    }
+
     /// The part of a buffer that a dispatch binds; the buffer is copied when it is first bound.
     fn part(&mut self, state: &State, id: BufferId, call: &Call<'_>) -> Part {
         let known = self.buffers.iter().position(|(known, _)| *known == id);

@@ -22,8 +22,9 @@ pub use self::model::{Model, Predicted, Prediction, predict};
 pub use self::quantiles::Quantiles;
 pub use rates::{FinerRates, Rates, finer_rates, rates};
 pub use roofline::roofline;
+pub use sheet::counts_csv;
 pub use trace::trace;
-pub use work::{Work, work};
+pub use work::{Counts, Work, interpreted, work};
 
 use std::collections::BTreeSet;
 

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::work::{Counted, counted, row_of};
+use super::work::{Counted, counted, row_of, timed};
 use super::{Settings, variant};
 use crate::error::{Input, Result};
 use crate::gpu::count::{Chain, Tally};
@@ -229,7 +229,7 @@ pub fn predict(scene: &Scene, device: &Device, settings: &Settings, model: &Mode
     let Counted { session, steps, tallies } = counted(scene, &device.counting(), settings, &mut plain)?;
     let mut rows: Vec<Predicted> = Vec::new();
     for (kernel, tally) in tallies {
-        let Some(name) = row_of(&session, &kernel, &tally) else { continue };
+        let Some(name) = row_of(timed(&session), &kernel, &tally) else { continue };
         let place = rows.iter().position(|row| row.stage == name).unwrap_or(rows.len());
         if place == rows.len() {
             rows.push(Predicted { stage: name, ..Predicted::default() });

@@ -2,9 +2,33 @@
 
 use serde_json::{Value, json};
 
-use super::{Profile, Quantiles, Row, Work};
+use super::{Counts, Profile, Quantiles, Row, Work};
 use crate::error::Result;
 use crate::measure::table::{Column, Table};
+
+/// What is counted of a row, as CSV has it.
+const COUNTED: [Counted; 17] = [
+    ("invocations", |work| work.invocations),
+    ("flops", |work| work.flops),
+    ("divisions_roots", |work| work.roots),
+    ("exps", |work| work.exps),
+    ("bytes_read", |work| work.read),
+    ("bytes_written", |work| work.written),
+    ("bytes_loaded", |work| work.loaded),
+    ("bytes_stored", |work| work.stored),
+    ("instructions", |work| work.instructions),
+    ("other_instructions", |work| work.others),
+    ("subgroups", |work| work.subgroups),
+    ("issued", |work| work.issued),
+    ("shared_words", |work| work.shared),
+    ("atomics", |work| work.atomics),
+    ("longest_steps", |work| work.longest_steps),
+    ("longest_loads", |work| work.longest_loads),
+    ("longest_shared", |work| work.longest_shared),
+];
+
+/// A heading, and the number under it.
+type Counted = (&'static str, fn(Work) -> u64);
 
 impl Profile {
     /// A stage's shares of the copy, FMA and exponential rate.
@@ -18,8 +42,12 @@ impl Profile {
     pub fn csv(&self) -> Result<String> {
         let shown = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
         let device = |row: &Row, part: fn(Quantiles) -> f64| shown(row.device.map(part));
-        let work = |row: &Row, part: fn(Work) -> u64| row.work.map_or_else(String::new, |work| part(work).to_string());
-        let columns: [Column<'_, Row>; 33] = [
+        let work = |(head, part): Counted| {
+            let cell = move |row: &Row| row.work.map_or_else(String::new, |work| part(work).to_string());
+            (head, Box::new(cell) as Box<dyn Fn(&Row) -> String>)
+        };
+        let counted = COUNTED.map(work);
+        let times: [Column<'_, Row>; 13] = [
             ("scene", "", &|_| self.scene.clone()),
             ("device", "", &|_| self.device.clone()),
             ("driver", "", &|_| self.driver.clone()),
@@ -33,28 +61,14 @@ impl Profile {
             ("wall_ms", "", &|row| row.wall.median.to_string()),
             ("wall_ms_p10", "", &|row| row.wall.low.to_string()),
             ("wall_ms_p90", "", &|row| row.wall.high.to_string()),
-            ("invocations", "", &|row| work(row, |work| work.invocations)),
-            ("flops", "", &|row| work(row, |work| work.flops)),
-            ("divisions_roots", "", &|row| work(row, |work| work.roots)),
-            ("exps", "", &|row| work(row, |work| work.exps)),
-            ("bytes_read", "", &|row| work(row, |work| work.read)),
-            ("bytes_written", "", &|row| work(row, |work| work.written)),
-            ("bytes_loaded", "", &|row| work(row, |work| work.loaded)),
-            ("bytes_stored", "", &|row| work(row, |work| work.stored)),
-            ("instructions", "", &|row| work(row, |work| work.instructions)),
-            ("other_instructions", "", &|row| work(row, |work| work.others)),
-            ("subgroups", "", &|row| work(row, |work| work.subgroups)),
-            ("issued", "", &|row| work(row, |work| work.issued)),
-            ("shared_words", "", &|row| work(row, |work| work.shared)),
-            ("atomics", "", &|row| work(row, |work| work.atomics)),
-            ("longest_steps", "", &|row| work(row, |work| work.longest_steps)),
-            ("longest_loads", "", &|row| work(row, |work| work.longest_loads)),
-            ("longest_shared", "", &|row| work(row, |work| work.longest_shared)),
+        ];
+        let shares: [Column<'_, Row>; 3] = [
             ("share_copy", "", &|row| shown(self.shares(row)[0])),
             ("share_fma", "", &|row| shown(self.shares(row)[1])),
             ("share_exp", "", &|row| shown(self.shares(row)[2])),
         ];
-        Table::of(&self.rows, &columns).csv()
+        let counted: Vec<Column<'_, Row>> = counted.iter().map(|(head, cell)| (*head, "", &**cell)).collect();
+        Table::of(&self.rows, &[&times[..], &counted, &shares].concat()).csv()
     }
 
     /// The whole profile with all samples, but for the trace; `null` where nothing was measured.
@@ -77,4 +91,14 @@ impl Profile {
             "notes": self.notes, "samples": self.samples,
         })
     }
+}
+
+/// CSV with one row per stage that an interpreter counted.
+pub fn counts_csv(scene: &str, rows: &[Counts]) -> Result<String> {
+    let heads = ["scene", "stage", "dispatches"].into_iter().chain(COUNTED.map(|(head, _)| head));
+    let row = |Counts { stage, dispatches, work, .. }: &Counts| {
+        let counted = COUNTED.map(|(_, part)| part(*work).to_string());
+        [scene.to_string(), stage.clone(), dispatches.to_string()].into_iter().chain(counted).collect()
+    };
+    Table::plain(heads, rows.iter().map(row).collect()).csv()
 }

@@ -1,4 +1,4 @@
-//! Operations and memory traffic of each stage of a frame, counted by instrumented kernels.
+//! Operations and memory traffic of each stage of a frame, counted by instrumented kernels, on a device or without.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,11 +10,13 @@ use crate::error::{Error, Result};
 use crate::gpu::count::{Tally, Traffic};
 use crate::gpu::{Device, Timed, Timing};
 use crate::layout::{BUFFER_IDS, BufferId};
+use crate::measure::interpret::stage::Interpreter;
 use crate::pipeline::frame::owner;
 use crate::pipeline::plan::{Change, Mode};
 use crate::scene::Scene;
 use crate::session::requirements::union;
 use crate::session::run::Session;
+use crate::state::{Dispatch, State, dispatches};
 
 /// The largest relative L2 difference of results that differ by rounding only.
 const ROUNDING: f64 = 1e-4;
@@ -82,21 +84,58 @@ pub(super) fn of(
     plain: &mut Session,
 ) -> Result<BTreeMap<String, Work>> {
     let Counted { session, tallies, .. } = counted(scene, device, settings, plain)?;
-    let bound = bound(&session, settings)?;
+    let bound = bound(&session.dispatches(settings.change)?, session.state(), timed(&session))?;
     let mut stages: BTreeMap<String, Tally> = BTreeMap::new();
     for (kernel, tally) in tallies {
-        if let Some(name) = row_of(&session, &kernel, &tally) {
+        if let Some(name) = row_of(timed(&session), &kernel, &tally) {
             stages.entry(name).or_default().add(&tally);
         }
     }
-    let work = |(stage, tally): (String, Tally)| {
-        // A dispatch binds at most what its kernel does.
-        let kernel = stage.split_once(" #").map_or(&*stage, |(kernel, _)| kernel);
-        let most = |slot: BufferId| bound.get(&(kernel.to_string(), slot)).copied().unwrap_or_default();
-        let work = Work::new(&tally, most);
-        (stage, work)
+    Ok(stages.into_iter().map(|(stage, tally)| (stage.clone(), bound.work(&stage, &tally))).collect())
+}
+
+/// What a stage, a kernel or a dispatch has done.
+#[derive(Clone, Debug)]
+pub struct Counts {
+    /// Its name.
+    pub stage: String,
+    /// The kernels that ran.
+    pub kernels: BTreeSet<String>,
+    /// Its dispatches.
+    pub dispatches: u64,
+    /// Its work.
+    pub work: Work,
+}
+
+/// The work of each stage, kernel or dispatch in a frame of this scene, without a device: an interpreter counts it.
+/// The reference runs each step after it, so that all begin with right input.
+pub fn interpreted(scene: &Scene, interpreter: &Interpreter, settings: &Settings, timed: Timed) -> Result<Vec<Counts>> {
+    let mut session = Session::new(scene, None, settings.options)?;
+    session.frame(Change::EVERYTHING)?;
+    let (mut state, steps) = (session.state().clone(), session.steps_taken(settings.change));
+    let bound = bound(&dispatches(&state, &steps, interpreter.settings().width())?, &state, timed)?;
+    let (mut rows, mut numbered) = (Vec::<(String, BTreeSet<_>, Tally)>::new(), BTreeMap::<String, u32>::new());
+    for step in steps {
+        for (kernel, tally) in interpreter.run(&state, step, false)?.tallies {
+            let number = numbered.entry(kernel.clone()).or_default();
+            *number += 1;
+            let part = format!("{kernel} #{number}");
+            let Some(name) = row_of(timed, &[kernel.clone(), part], &tally) else { continue };
+            match rows.iter_mut().find(|(known, ..)| *known == name) {
+                Some((_, kernels, all)) => {
+                    kernels.insert(kernel);
+                    all.add(&tally);
+                }
+                None => rows.push((name, BTreeSet::from([kernel]), tally)),
+            }
+        }
+        step.reference(&mut state);
+    }
+    let row = |(stage, kernels, tally): (String, BTreeSet<String>, Tally)| {
+        let (dispatches, work) = (tally.dispatches, bound.work(&stage, &tally));
+        Counts { stage, kernels, dispatches, work }
     };
-    Ok(stages.into_iter().map(work).collect())
+    Ok(rows.into_iter().map(row).collect())
 }
 
 /// A frame that was counted.
@@ -184,15 +223,15 @@ fn same_work(counted: &mut Session, plain: &mut Session) -> Result<()> {
 }
 
 /// How a session's frames are timed.
-fn timed(session: &Session) -> Timed {
+pub(super) fn timed(session: &Session) -> Timed {
     session.device().map_or(Timed::Steps, |device| device.choices().timed)
 }
 
 /// The row that a dispatch of this kernel and this timed part counts for: its stage, the kernel or the dispatch itself.
 /// Dispatches that had to count together have none of their own, and neither has a kernel that is no stage's.
-pub(super) fn row_of(session: &Session, [kernel, part]: &[String; 2], tally: &Tally) -> Option<String> {
+pub(super) fn row_of(timed: Timed, [kernel, part]: &[String; 2], tally: &Tally) -> Option<String> {
     let stage = owner(kernel)?;
-    match timed(session) {
+    match timed {
         Timed::Steps => Some(stage.name.to_string()),
         Timed::Kernels => Some(kernel.clone()),
         Timed::Dispatches => (tally.dispatches == 1).then(|| part.clone()),
@@ -200,13 +239,24 @@ pub(super) fn row_of(session: &Session, [kernel, part]: &[String; 2], tally: &Ta
 }
 
 /// Bytes of each buffer that a stage or a kernel binds in a frame, overlapping ranges counted once.
-fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(String, BufferId), u64>> {
+struct Bytes(BTreeMap<(String, BufferId), u64>);
+
+impl Bytes {
+    /// The work of a row.
+    fn work(&self, row: &str, tally: &Tally) -> Work {
+        // A dispatch binds at most what its kernel does.
+        let kernel = row.split_once(" #").map_or(row, |(kernel, _)| kernel);
+        Work::new(tally, |slot| self.0.get(&(kernel.to_string(), slot)).copied().unwrap_or_default())
+    }
+}
+
+fn bound(dispatches: &[Dispatch], state: &State, timed: Timed) -> Result<Bytes> {
     let mut ranges: BTreeMap<(String, BufferId), BTreeSet<[u64; 2]>> = BTreeMap::new();
-    for dispatch in session.dispatches(settings.change)? {
-        for bound in dispatch.bound(session.state())? {
-            let name = if timed(session) == Timed::Steps { dispatch.stage } else { &dispatch.kernel };
+    for dispatch in dispatches {
+        for bound in dispatch.bound(state)? {
+            let name = if timed == Timed::Steps { dispatch.stage } else { &dispatch.kernel };
             ranges.entry((name.to_string(), bound.slot)).or_default().insert(bound.range);
         }
     }
-    Ok(ranges.into_iter().map(|(key, ranges)| (key, union(ranges))).collect())
+    Ok(Bytes(ranges.into_iter().map(|(key, ranges)| (key, union(ranges))).collect()))
 }

@@ -1,0 +1,57 @@
+//! What kernels do in a frame, counted by the interpreter, without a device, as a table.
+
+use super::text::millions;
+use super::{Arguments, print, ready, write};
+use crate::cli::size;
+use milkglass::error::{Error, Result};
+use milkglass::measure::interpret::stage::{Interpreter, LANES, SUBGROUP, Settings};
+use milkglass::measure::profile::{Counts, counts_csv, interpreted};
+use milkglass::measure::table::Table;
+
+/// Counts, prints, and writes the file of `--csv`.
+pub(super) fn run(arguments: &Arguments) -> Result<()> {
+    arguments.counts_only()?;
+    ready(arguments.files())?;
+    let scene = arguments.scene()?.load()?;
+    let settings = Settings { counts: true, ..Settings::default() };
+    let interpreter = Interpreter::with(settings, arguments.replace.load()?);
+    let found = interpreted(&scene, &interpreter, &arguments.settings(), arguments.timed())?;
+    let run = found.iter().flat_map(|row| &row.kernels).cloned().collect();
+    if let Some(fault) = arguments.replace.unused(&run, &scene.name) {
+        return Err(fault.into());
+    }
+    if found.is_empty() {
+        return Err(Error::Check("nothing was counted: the frame runs no kernel".into()));
+    }
+    print(&format!(
+        "{}, a frame counted on the interpreter, of which nothing is timed: {LANES} invocations an item, subgroups of {SUBGROUP}\n\n\
+         read and written: each byte bound once, no more than asked for; asked: by all loads and stores; in millions: instructions,\n\
+         additions and multiplications, divisions and roots, exponentials and the like; the most of any invocation, dispatch after\n\
+         dispatch: steps, instructions that wait for one another; loads of buffers, likewise; shared, loads of shared memory, barriers,\n\
+         exchanges\n\n{}",
+        scene.name,
+        table(&found).text()
+    ))?;
+    arguments.csv.iter().try_for_each(|path| write(path, counts_csv(&scene.name, &found)?))
+}
+
+fn table(found: &[Counts]) -> Table {
+    Table::of(
+        found,
+        &[
+            ("stage", "", &|row: &Counts| row.stage.clone()),
+            ("dispatches", "", &|row| row.dispatches.to_string()),
+            ("invocations", "", &|row| row.work.invocations.to_string()),
+            ("instructions", "", &|row| millions(row.work.instructions)),
+            ("read", "", &|row| size(row.work.read)),
+            ("written", "", &|row| size(row.work.written)),
+            ("asked", "", &|row| size(row.work.loaded + row.work.stored)),
+            ("flop", "", &|row| millions(row.work.flops)),
+            ("div", "", &|row| millions(row.work.roots)),
+            ("exp", "", &|row| millions(row.work.exps)),
+            ("steps", "", &|row| row.work.longest_steps.to_string()),
+            ("loads", "", &|row| row.work.longest_loads.to_string()),
+            ("shared", "", &|row| row.work.longest_shared.to_string()),
+        ],
+    )
+}
