@@ -33,8 +33,9 @@ pub(super) fn sum(state: &mut State, at: Scope, receivers: &[u32]) {
         .par_iter()
         .map(|&receiver| {
             let span = data.spans[receiver as usize];
-            // A list that did not fit is empty and may begin beyond the end.
-            let links = base + span.link as usize..base + span.link as usize + span.links as usize;
+            // A list that did not fit is empty and may begin beyond the end; if any did not, no factor is computed.
+            let count = if data.counters[0].overflow == 0 { span.links as usize } else { 0 };
+            let links = base + span.link as usize..base + span.link as usize + count;
             let part = data.links.get(links.clone()).unwrap_or_default();
             let terms = part.iter().zip(data.factors.get(links).unwrap_or_default());
             narrow(terms.map(|(l, &f)| wide(data.cluster_irradiance[l.emitter as usize]) * wide(f)).sum())
