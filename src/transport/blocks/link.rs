@@ -157,8 +157,7 @@ fn cpu(state: &mut State, at: Scope) {
 
     let (near_base, groups_base) = (state.part(BufferId::near, at).0, state.part(BufferId::near_groups, at).0);
     let data = &mut state.data;
-    let mut near = 0;
-    let mut next = 0;
+    let (mut near, mut next) = (0, 0);
     for (i, lists) in lists.iter().enumerate() {
         let [dropped, expanded, direct, area, edge, _] = lists.each_ref().map(|list| list.len() as u32);
         data.runs[run_base + i] = if fits {
