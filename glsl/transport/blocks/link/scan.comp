@@ -14,7 +14,6 @@ UPDATES(near_groups)
 #define SUM uvec4
 #include "scan.glsl"
 
-shared uint most_near;
 const uint BLOCKS_A_GROUP = GROUP_SIZE / BLOCK_RECEIVERS;
 
 // The near triangles of a block; of the last one beyond the batch. These loads, and those below, wait for nothing.
@@ -38,7 +37,6 @@ void put(uint i, uvec2 at, uint is_near) {
 // Neighbouring invocations take neighbouring blocks, so that their loads share cache lines; two each at once.
 void main() {
     uint self = gl_LocalInvocationIndex, most = 0;
-    if (self == 0) most_near = 0;
     uvec2 all = uvec2(0);
     for (uint chunk = 0; chunk < range.count; chunk += 2 * SCAN_SIZE) {
         uint one = chunk + self, two = one + SCAN_SIZE;
@@ -50,9 +48,14 @@ void main() {
         put(two, all + sum.xy + before.zw, own.w);
         all += sum.xy + sum.zw;
     }
-    atomicMax(most_near, most);
+    // The most near triangles of a block take the place of a sum, which all have read.
+    barrier();
+    if (self == 0) sums[0].x = 0;
+    barrier();
+    atomicMax(sums[0].x, most);
     memoryBarrierBuffer(); // a barrier alone orders shared memory only
     barrier();
+    uint most_near = sums[0].x;
     bool fits = all.x <= object_params[0].entry_capacity;
     for (uint i = self; !fits && i < range.count; i += SCAN_SIZE) runs[i] = Runs(0, 0, 0, 0, 0, runs[i].dropped);
     if (self == 0) {
