@@ -154,7 +154,7 @@ const VANISHED: f64 = 1e-5;
 
 /// The vector area at a vertex with faces of these vector areas and areas: their sum, or where it vanishes, as between
 /// two sides of a sheet, that of the first face with an area.
-fn vertex_normal(faces: impl Iterator<Item = (DVec3, f64)> + Clone) -> DVec3 {
+pub fn vertex_normal(faces: impl Iterator<Item = (DVec3, f64)> + Clone) -> DVec3 {
     let area: f64 = faces.clone().map(|(_, area)| area).sum();
     let sum: DVec3 = faces.clone().map(|(normal, _)| normal).sum();
     let mut whole = faces.filter(|(_, area)| *area > 0.0).map(|(normal, _)| normal);

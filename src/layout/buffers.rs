@@ -33,7 +33,8 @@ buffers! {
     rest: [f32; 3], vertex;
     /// Unit vertex normals before any deformation, area-weighted.
     rest_normals: [f32; 3], vertex;
-    /// Unit vertex normals of divided triangles: those of the whole ones, interpolated. Empty if none were divided.
+    /// Unit vertex normals of long triangles that were divided: those of the whole ones, interpolated; 0 for objects
+    /// without any. Empty if none were divided.
     whole_normals: [f32; 3], vertex;
     /// The deformations of the objects, in the order in which they apply.
     deforms: Deform, deform;

@@ -45,7 +45,7 @@ pub struct Object {
     pub scatters_once: bool,
     /// How many deformations it has.
     pub deforms: usize,
-    /// Whether its vertex normals are those of triangles that were divided.
+    /// Whether its vertex normals are those of the whole long triangles, which were divided.
     pub whole_normals: bool,
     /// Whether its vertices follow joints.
     pub skinned: bool,

@@ -131,6 +131,10 @@ OpDecorate %out Binding 0
         "%or = OpLogicalOr %bool %false %on\n%r = OpSelect %uint %or %n %0\n".into(),
         "%o10 = OpInBoundsAccessChain %to %out %0 %k10\nOpStore %o10 %r\nOpSelectionMerge %end None\n".into(),
         "OpBranchConditional %on %end %never\n%never = OpLabel\nOpUnreachable\n%end = OpLabel\n".into(),
+        // A block may stand before those that lead to it.
+        "%rt = OpIEqual %bool %e %k9\nOpSelectionMerge %meet None\nOpBranchConditional %rt %first %second\n".into(),
+        "%late = OpLabel\nOpBranch %meet\n%first = OpLabel\nOpBranch %late\n%second = OpLabel\nOpBranch %meet\n".into(),
+        "%meet = OpLabel\n%way = OpPhi %uint %k4 %late %k8 %second\n".to_string() + &store(11, "%way"),
     ];
     let mut words = assembled(&declarations, &body(&parts.concat()));
     // The assembler has no OpCopyLogical.
@@ -142,8 +146,8 @@ OpDecorate %out Binding 0
     let launched =
         Launched { groups: [1; 3], push: &[], bound: &bound, memory: &memory, subgroup: 32, most_blocks: MOST_BLOCKS };
     kernel.run(&launched).unwrap();
-    let found: Vec<u32> = (0..11).map(|word| memory[0].get(word)).collect();
-    assert_eq!(found, [7, 5, 7, 5, 9, 3, 10, 9, 10, 8, 3]);
+    let found: Vec<u32> = (0..12).map(|word| memory[0].get(word)).collect();
+    assert_eq!(found, [7, 5, 7, 5, 9, 3, 10, 9, 10, 8, 3, 4]);
 }
 
 /// Types made of each other: `%t1` of `%t0`, and so on.

@@ -1,5 +1,5 @@
-//! The functions of a module as blocks. What a function calls is decoded in place of the call. A branch that a constant
-//! decides is none, as compilers have it.
+//! The functions of a module as blocks. What a function calls is decoded in place of the call. A conditional branch
+//! that a constant decides is none, as compilers have it.
 
 use std::collections::{HashMap, HashSet};
 
@@ -39,6 +39,20 @@ struct Frame {
     merges: Vec<u32>,
     /// The labels of blocks that have ended and go on with a label: not where constants close the way.
     before: HashMap<u32, HashSet<u32>>,
+    /// How many branches to each label are in blocks that have not ended.
+    awaited: HashMap<u32, usize>,
+}
+
+/// The labels that a branch may go to.
+fn targets(op: Option<Op>, operands: &[u32]) -> Vec<u32> {
+    match (op, operands) {
+        (Some(Op::Branch), [to]) => vec![*to],
+        (Some(Op::BranchConditional), [_, yes, no, ..]) => vec![*yes, *no],
+        (Some(Op::Switch), [_, otherwise, cases @ ..]) => {
+            cases.chunks_exact(2).map(|pair| pair[1]).chain([*otherwise]).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 fn edge(label: u32) -> Edge {
@@ -97,6 +111,10 @@ impl Builder<'_> {
         }
         self.local.push(HashMap::new());
         let (start, mut arguments, mut frame) = (self.blocks.len(), arguments.into_iter(), Frame::default());
+        for instruction in &self.list[range.clone()] {
+            let labels = targets(instruction.op, instruction.operands);
+            labels.into_iter().for_each(|label| *frame.awaited.entry(label).or_default() += 1);
+        }
         for at in range {
             let instruction = self.list[at];
             let op = instruction.op.ok_or("it has an instruction that is not known")?;
@@ -195,7 +213,12 @@ impl Builder<'_> {
         };
         frame.open = false;
         if matches!(op, Op::Branch | Op::BranchConditional | Op::Switch) {
-            let reached = frame.first.len() == 1 || frame.before.contains_key(&frame.label);
+            // A block may stand before those that lead to it.
+            let awaited = frame.awaited.get(&frame.label).is_some_and(|count| *count > 0);
+            let reached = awaited || frame.first.len() == 1 || frame.before.contains_key(&frame.label);
+            for label in targets(Some(op), operands) {
+                frame.awaited.entry(label).and_modify(|count| *count -= 1);
+            }
             for edge in end.edges_mut().into_iter().filter(|_| reached) {
                 frame.before.entry(edge.to as u32).or_default().insert(frame.label);
             }

@@ -1,5 +1,5 @@
 //! The profile of a scene: the time, the operations and the memory traffic of each stage of a frame, compared with
-//! the device's peak rates.
+//! the device's rates.
 //!
 //! Times come from whole frames, with timestamps around each stage. Operations are counted, not estimated: one more
 //! frame runs with instrumented kernels that count how often each block runs (`gpu::count`). It must make the same
@@ -106,7 +106,7 @@ pub struct Profile {
     pub driver: String,
     /// Number of timed frames, those that turned out to be warming up included.
     pub frames: usize,
-    /// The device's peak rates; `None` on the CPU and without timestamps.
+    /// The device's rates; `None` on the CPU and without timestamps.
     pub rates: Option<Rates>,
     /// The stages, in the order of the frame.
     pub rows: Vec<Row>,

@@ -66,10 +66,10 @@ const STEP: f32 = 0.002;
 const INTEGER: u32 = 2_654_435_769;
 
 impl Rates {
-    /// The rates of two measurements together, which took equally much work each.
+    /// The rates of two measurements of equal work together; one of 0 was not measured.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
-        let both = |one: f64, two: f64| 2.0 / (1.0 / one + 1.0 / two);
+        let both = |one: f64, two: f64| if one.min(two) > 0.0 { 2.0 / (1.0 / one + 1.0 / two) } else { one.max(two) };
         Self { copy: both(self.copy, other.copy), fma: both(self.fma, other.fma), exp: both(self.exp, other.exp) }
     }
 }
@@ -251,6 +251,7 @@ mod tests {
         assert_eq!(usual_of([900.0, 0.0].into_iter()), f64::INFINITY);
         let [one, two] = [10.0, 30.0].map(|rate| Rates { copy: rate, fma: 2.0 * rate, exp: 20.0 });
         assert_eq!(one.with(two), Rates { copy: 15.0, fma: 30.0, exp: 20.0 });
+        assert_eq!(one.with(Rates { copy: 0.0, ..two }).copy, 10.0);
     }
 
     #[test]
