@@ -7,11 +7,13 @@ use rayon::prelude::*;
 use crate::dipole::derivatives::{ClusterMoments, GroupProfile};
 use crate::dipole::distance2;
 use crate::error::Result;
-use crate::layout::{BufferId, COARSE_SAMPLES, Moment, NONE, Sample};
+use crate::layout::{BufferId, COARSE_SAMPLES, GROUP_SIZE, Moment, NONE, Sample};
 use crate::state::{Field, Pass, Role, Scope, Size, Stage, State, Tolerance, wide};
 
 /// Number of samples of each kind: drawn evenly among the faces, and drawn by the light that enters.
 const HALF: usize = COARSE_SAMPLES / 2;
+// Each invocation of kernel `root` takes four samples.
+const _: () = assert!(COARSE_SAMPLES == 4 * GROUP_SIZE as usize);
 
 const SAMPLE: &[Field] = &[
     Field { name: "chance", relative: 1e-5, floor: 0.0, of: "" },
