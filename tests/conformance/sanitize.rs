@@ -175,8 +175,8 @@ const PLANTED: &[Planted] = &[
         Kind::Race,
         "pool[self.stack] =",
     ),
-    ("scan.glsl", "link", ["sums[self] = own;\n    barrier();", "sums[self] = own;"], Kind::Race, "SUM other"),
-    ("scan.glsl", "link", ["sums[self - step] :", "sums[self - step - 1] :"], Kind::Bounds, "SUM other"),
+    ("scan.glsl", "link", ["        barrier();\n        SUM near", "        SUM near"], Kind::Race, "SUM near"),
+    ("scan.glsl", "link", ["sums[self - step] :", "sums[self - step - 1] :"], Kind::Bounds, "SUM near"),
     (
         "transport/blocks/direct.glsl",
         "gather",
@@ -221,6 +221,8 @@ const PLANTED: &[Planted] = &[
 const FURTHER: &[(&str, Kind, &str, &str)] = &[
     ("    }", Kind::Race, "lighting/shadow", "uint face = pool["),
     ("pool[self.stack] = WIDE * way.tops;", Kind::Race, "own.glsl", "uint node = top"),
+    ("        SUM near", Kind::Race, "own.glsl", "SUM middle"),
+    ("        SUM near", Kind::Race, "own.glsl", "SUM far"),
     ("sums[self - step - 1] :", Kind::Race, "transport/blocks/link/scan", "near[at.y] = i;"),
     ("sums[self - step - 1] :", Kind::Race, "transport/blocks/link/write.comp", "entries[at.x + at.y + at.z + at.w]"),
     (
