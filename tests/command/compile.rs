@@ -46,7 +46,7 @@ fn a_spill_is_found_without_the_gpu() {
     let json = read(&here, "a.json");
     assert!(json.contains("\"device\": \"Null hardware (RADV VEGA10)") && json.contains("\"VGPRs\": "), "{json}");
     for family in ["navi21", "vega10"] {
-        let code = read(&here, &format!("code/{family}/geometry-refit-normal.txt"));
+        let code = read(&here, &format!("code/{family}/geometry-refit-block.txt"));
         assert!(code.contains("==== Assembly") && code.contains("s_endpgm"), "{code}");
     }
     for words in
