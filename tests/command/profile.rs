@@ -166,6 +166,8 @@ fn a_stage_is_timed_by_both_kernels_in_turn() {
     }
     assert!(read(&here, "a.xml").contains("tests=\"1\""), "{}", read(&here, "a.xml"));
     let words = ["gather is at least", "slower; --fail-slower allows 5 %"];
+    // Enough starts that other work during two of them decides nothing.
+    let line = line.replace("--frames 27", "--frames 60");
     bad(&here, &format!("{line}more.comp --fail-slower 5%"), 1, &words);
 }
 
