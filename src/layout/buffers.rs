@@ -145,8 +145,9 @@ buffers! {
     /// Groups to dispatch for them: of 64 receivers each, then of a block each; then their number. A part is 64
     /// elements for the sake of its offset.
     near_groups: [u32; 3], batch;
-    /// The first LINK_KEPT - 1 emitters that each block of a batch lists, in the order of its walk, and behind them the
-    /// last node that it visited: nodes, and how each is taken.
+    /// What `link` decides until its lists are placed. Where one invocation walks for a block: the first LINK_KEPT - 1
+    /// emitters that it lists, in the order of its walk, and behind them the last node that it visited: nodes, and how
+    /// each is taken. Where a group does: all of them, in parts (`glsl/transport/blocks/link/noted.glsl`).
     decisions: u32, table;
     /// The blocks' lists, one after the other: nodes.
     entries: u32, batch;

@@ -98,8 +98,8 @@ records! { list_records:
         padding: [u32; 32],
         /// Unused.
         more_padding: [u32; 3],
-        /// Unused.
-        last_padding: u32,
+        /// Words of `decisions` that groups have taken for this batch; 0 once its lists are written.
+        noted: u32,
     }
     /// A run of elements for one dispatch.
     Range {

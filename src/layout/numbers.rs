@@ -127,8 +127,12 @@ constants! {
     /// ninth of them to load.
     MOST_DIRECT: usize = 58_000;
     /// Places for a block's decisions until its lists are written, the last for what is not kept; what is beyond is
-    /// found by a second walk.
+    /// found by a second walk. Where a group shares a walk, it notes all.
     LINK_KEPT: usize = 256;
+    /// Words a block for what a group notes beside the entries of lists, ...
+    NOTED_EXTRA: usize = 4;
+    /// ... and entries, at least, of each part of what it notes but one, which take another two.
+    NOTED_LEAST: usize = 384;
     /// Lowest bit of a decision's kind; its node is below.
     LINK_SHIFT: u32 = 28;
     /// Links of one receiver at most, and emitters that it hands down: more would be more than lavapipe's loops take.

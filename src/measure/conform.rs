@@ -155,7 +155,7 @@ pub(super) fn hashed(hash: u64, bytes: &[u8]) -> u64 {
 /// Fills the memory that a step overwrites with poison.
 pub(super) fn poison(state: &mut State, step: Step) {
     for (slot, role, _) in step.stage.writes {
-        if *role == Role::Output {
+        if *role != Role::Update {
             let stride = slot.spec().stride;
             let (first, count) = state.part(*slot, step.at);
             let bytes = &mut state.data.bytes_mut(*slot)[first * stride..(first + count) * stride];
@@ -243,6 +243,9 @@ impl Pair {
     fn row(&self, step: Step, name: &str, first: &[Vec<u8>], trespasses: &[&str]) -> Row {
         let mut row = compared_row(step, name, [&self.reference, &self.device]);
         for ((slot, _, _), first) in step.stage.writes.iter().zip(first) {
+            if step.stage.is_scratch(*slot) {
+                continue;
+            }
             row.hashes.push((slot.spec().name, hashed(SEED, first)));
             if self.device.data.bytes(*slot) != first {
                 row.faults.push(format!("{step} two runs differ in buffer {}", slot.spec().name));
@@ -257,7 +260,7 @@ impl Pair {
 /// Compares all memory of the reference and of a device after a step.
 pub(super) fn compared_row(step: Step, name: &str, [reference, device]: [&State; 2]) -> Row {
     let mut row = Row { fixture: name.to_string(), stage: step.stage.name, steps: 1, ..Row::default() };
-    for &slot in BUFFER_IDS {
+    for &slot in BUFFER_IDS.iter().filter(|slot| !step.stage.is_scratch(**slot)) {
         let written = step.stage.writes.iter().find(|(written, _, _)| *written == slot);
         let tolerance = written.map_or(Tolerance::Exact, |(_, _, tolerance)| *tolerance);
         let found: Comparison = compare(slot, reference, device, tolerance, reference.part(slot, step.at));

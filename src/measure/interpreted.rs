@@ -65,8 +65,8 @@ pub fn conform_interpreted(
         ran.write(&mut device);
         step.reference(&mut reference);
         let mut row = compared_row(*step, &fixture.name, [&reference, &device]);
-        let hash = |id: &BufferId| (id.spec().name, hashed(SEED, device.data.bytes(*id)));
-        row.hashes = step.stage.writes.iter().map(|(id, _, _)| hash(id)).collect();
+        let hash = |id: BufferId| (id.spec().name, hashed(SEED, device.data.bytes(id)));
+        row.hashes = step.stage.results().map(hash).collect();
         row.seconds = begin.elapsed().as_secs_f64();
         row.failed = (!row.faults.is_empty()).then_some(index);
         add_row(&mut rows, row);

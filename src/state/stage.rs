@@ -76,6 +76,9 @@ pub enum Role {
     Output,
     /// It reads some of them, or some must survive.
     Update,
+    /// It ignores them, and what it leaves depends on which invocation comes first: its kernels hand that on among
+    /// themselves, and nothing else reads it. Not compared.
+    Scratch,
 }
 
 /// One step of the frame, on the CPU and on the GPU.
@@ -161,6 +164,17 @@ impl Stage {
             k += 1;
         }
         false
+    }
+
+    /// The buffers that it writes and others may read.
+    pub fn results(&self) -> impl Iterator<Item = BufferId> {
+        self.writes.iter().filter(|(_, role, _)| *role != Role::Scratch).map(|(id, ..)| *id)
+    }
+
+    /// Whether a buffer is for its own kernels alone.
+    #[must_use]
+    pub fn is_scratch(&self, id: BufferId) -> bool {
+        self.writes(id) && !self.results().any(|known| known == id)
     }
 
     /// The buffers that its kernels read, except those that it writes, too: as their SPIR-V declares them.

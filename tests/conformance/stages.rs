@@ -102,14 +102,14 @@ fn a_planted_error_is_reported_by_name() {
         // For each written buffer, a small fixture in which it is not empty.
         let mut plants: BTreeMap<usize, Vec<Plant>> = BTreeMap::new();
         for stage in STAGES {
-            for (slot, _, _) in stage.writes {
+            for slot in stage.results() {
                 let fixture = list.iter().position(|fixture| {
                     fixture.steps.iter().any(|step| step.stage.name == stage.name)
-                        && !fixture.state.data.bytes(*slot).is_empty()
+                        && !fixture.state.data.bytes(slot).is_empty()
                         && fixture.state.data.triangles.len() < 2000
                 });
                 let fixture = fixture.unwrap_or_else(|| panic!("no small fixture writes {slot:?}"));
-                plants.entry(fixture).or_default().push(Plant { stage: stage.name, slot: *slot });
+                plants.entry(fixture).or_default().push(Plant { stage: stage.name, slot });
             }
         }
         let mut noticed = BTreeSet::new();

@@ -1,14 +1,15 @@
 // A walk over a tree that the invocations of a group share: each takes one of the waiting nodes, visits it, and adds
 // its children to those that wait. The results are sorted, so that they depend neither on the number of invocations nor
-// on their order. With LANES = 1 each invocation has an item of its own, and walks alone.
+// on their order. With LANES = 1 each invocation has an item of its own, and walks alone. The includer defines WORDS:
+// room for so many words, a multiple of SORTED.
 #include "transport/blocks/lanes.glsl"
 
-// Room for the words that are noted and the nodes that wait, together. If there are more, `link` goes by parts of the
-// tree, and `coarse_solve` sums by one invocation.
-const uint POOL = 1536;
-// Once many nodes wait, room is left for a way down of this many levels.
+// Room for nodes that wait. Once many do, room is left for a way down of DEEPEST levels.
+const uint WAITING = 640;
 const uint DEEPEST = 128;
-// Words that were found, from the front; nodes that wait, from the back. Small, so that many groups run at once.
+// Words that were found, from the front, and a copy of them; nodes that wait, from the back. Small, so that many groups
+// run at once.
+const uint POOL = 2 * WORDS + WAITING;
 shared uint pool[POOL];
 shared uint found_count;
 shared uint pushed[3];
@@ -19,48 +20,47 @@ uint found(uint k) { return pool[k]; }
 // noted, or NONE.
 uint visit(uint node, out uint word);
 
-// All invocations of the group walk from the root, through the nodes from `begin` to `end` in the order of the tree,
-// and those above them. Returns false if the pool may have been too small for all words. `cut`: not all nodes were
-// visited, either: the driver has ended the loop, or the tree is too deep.
-bool walk_part(uint begin, uint end, out bool cut) {
+// What it does with all words so far, where there is no room for more. Returning false ends the walk.
+bool take(uint total);
+
+// All invocations of the group walk. Returns false if not all nodes were visited: there was no room, the driver has
+// ended the loop, or the tree is too deep.
+bool walk_together() {
     uint self = gl_LocalInvocationIndex, top = 1;
-    bool noted = true;
     if (self == 0) {
         pool[POOL - 1] = 0;
         found_count = 0;
         pushed[0] = 0;
     }
     barrier();
-    for (uint round = 0; top > 0 && top < POOL; ++round) {
+    for (uint round = 0; top > 0 && top < WAITING; ++round) {
         // A visited node makes room for one of its two children. Once many wait, few are visited at a time: that leaves
         // room for the way down.
-        uint room = POOL - top, taken = min(top, min(LANES, room > DEEPEST ? room - DEEPEST : 1));
-        noted = noted && found_count + taken <= room - taken;
-        uint node = self < taken ? pool[POOL - top + self] : 0;
+        uint room = WAITING - top, taken = min(top, min(LANES, room > DEEPEST ? room - DEEPEST : 1));
+        uint node = self < taken ? pool[POOL - top + self] : 0, words = found_count;
         if (self == 0) pushed[(round + 1) % 3] = 0;
         barrier();
+        if (words + taken > WORDS) {
+            if (!take(words)) return false;
+            if (self == 0) found_count = 0;
+            barrier();
+        }
         top -= taken;
         if (self < taken) {
             uint word, right = visit(node, word);
             if (right != 0) {
-                // The left child's nodes end before the right child; a child that ends before `begin` notes nothing.
-                bool goes_left = right > begin && node + 1 < end, goes_right = right < end;
-                uint at = POOL - 1 - top - atomicAdd(pushed[round % 3], uint(goes_left) + uint(goes_right));
-                if (goes_right) pool[at] = right;
-                if (goes_left) pool[at - uint(goes_right)] = node + 1;
-            } else if (word != NONE && node >= begin) {
-                uint at = atomicAdd(found_count, 1);
-                if (noted) pool[at] = word;
+                uint at = POOL - 1 - top - atomicAdd(pushed[round % 3], 2);
+                pool[at] = right;
+                pool[at - 1] = node + 1;
+            } else if (word != NONE) {
+                pool[atomicAdd(found_count, 1)] = word;
             }
         }
         barrier();
         top += pushed[round % 3];
     }
-    cut = top != 0;
-    return noted && !cut;
+    return top == 0;
 }
-
-bool walk_together(out bool cut) { return walk_part(0, NONE, cut); }
 
 const uint SORTED_RUN = 64;
 const uint SORTED = 4 * SORTED_RUN; // four runs are searched at once: none waits for the other
@@ -85,10 +85,10 @@ uint smaller(uint word, uint first) {
     return sum_of(at + less(words_at(at), word) - begin);
 }
 
-// Sorts words, all of them different, with room for a copy: each run by counting which of it are smaller; then a word's
+// Sorts the words, all of them different: each run by counting which of it are smaller; then a word's
 // place is how many are smaller in all runs. NONE fills the last runs.
-void sort_by_counting(uint count) {
-    const uint copy = POOL / 2;
+void sort_found(uint count) {
+    const uint copy = WORDS;
     uint filled = (count + SORTED - 1) & ~(SORTED - 1);
     for (uint k = count + gl_LocalInvocationIndex; k < filled; k += LANES) pool[k] = pool[copy + k] = NONE;
     barrier();
@@ -107,28 +107,4 @@ void sort_by_counting(uint count) {
         pool[place] = word;
     }
     barrier();
-}
-
-// Sorts without a copy: Batcher's bitonic sort, arranged so that the smaller word always goes to the front, and words
-// beyond the last need not exist.
-void sort_in_place(uint count) {
-    for (uint run = 2; run < 2 * count; run *= 2) {
-        for (uint apart = run / 2; apart > 0; apart /= 2) {
-            for (uint k = gl_LocalInvocationIndex; k < (count + run) / 2; k += LANES) {
-                uint low = (k & ~(apart - 1)) << 1 | k & apart - 1;
-                uint high = apart == run / 2 ? low ^ run - 1 : low + apart;
-                if (high < count && pool[low] > pool[high]) {
-                    uint word = pool[low];
-                    pool[low] = pool[high];
-                    pool[high] = word;
-                }
-            }
-            barrier();
-        }
-    }
-}
-
-void sort_found(uint count) {
-    if (count > POOL / 2) sort_in_place(count);
-    else sort_by_counting(count);
 }

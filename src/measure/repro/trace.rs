@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::isolate::isolate;
 use super::together::together;
-use super::{About, BITS, Bound, Case, Dispatch, Part};
+use super::{ANY, About, BITS, Bound, Case, Dispatch, Part};
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::layout::{BUFFER_IDS, BufferId, Number};
@@ -134,6 +134,9 @@ fn whole(device: &Device, fixture: &Fixture, (step, state): (Step, &State), trac
                     *allowed = up(most);
                 }
             }
+        }
+        if stage.is_scratch(*slot) {
+            part.allowed[..count].fill(ANY);
         }
         part.device = part.before.clone();
         case.buffers.push(part);

@@ -157,7 +157,9 @@ impl Outcome {
     /// The record of a row on this device.
     #[must_use]
     pub fn new(adapter: &Adapter, row: &Row, repeat: String) -> Self {
-        let writes = stage(row.stage).map_or(&[][..], |stage| stage.writes);
+        let stage = stage(row.stage);
+        let writes = stage.map_or(&[][..], |stage| stage.writes).iter();
+        let compared = writes.filter(|(slot, ..)| stage.is_some_and(|stage| !stage.is_scratch(*slot)));
         Self {
             device: adapter.name.clone(),
             driver: adapter.driver.clone(),
@@ -174,7 +176,7 @@ impl Outcome {
             relative: row.relative.is_finite().then_some(row.relative),
             of_tolerance: row.used.is_finite().then_some(row.used),
             farthest: row.farthest.clone().filter(|_| row.faults.is_empty()),
-            tolerance: writes.iter().map(|(slot, _, t)| (slot.spec().name.into(), words(t))).collect(),
+            tolerance: compared.map(|(slot, _, t)| (slot.spec().name.into(), words(t))).collect(),
             hashes: row.hashes.iter().map(|(name, hash)| ((*name).into(), format!("{hash:016x}"))).collect(),
             mean: farthest(&row.biases),
             means: row.biases.iter().filter(|bias| bias.count > 0).cloned().collect(),

@@ -6,9 +6,10 @@ use crate::layout::{BUFFER_IDS, BufferId};
 use crate::measure::conform::conform;
 use crate::measure::fixtures::Fixture;
 use crate::measure::profile::Settings;
+use crate::pipeline::frame::STAGES;
 use crate::scene::Scene;
 use crate::session::run::Session;
-use crate::state::DeviceState;
+use crate::state::{DeviceState, State};
 
 /// The buffers after a first frame and two more.
 pub struct Computed(Vec<(BufferId, Vec<u8>)>);
@@ -58,8 +59,7 @@ pub(super) fn computed(scene: &Scene, device: &Device, settings: &Settings) -> R
         session.frame(settings.change)?;
     }
     session.fetch(BUFFER_IDS)?;
-    let data = &session.state().data;
-    Ok(Computed(BUFFER_IDS.iter().map(|slot| (*slot, data.bytes(*slot).to_vec())).collect()))
+    Ok(Computed::of(session.state()))
 }
 
 /// Runs the steps of a fixture twice on a device, all in one frame, and reads all buffers.
@@ -71,10 +71,17 @@ pub fn computed_steps(device: &Device, fixture: &Fixture) -> Result<Computed> {
         copy.run(&state, &fixture.steps)?;
     }
     copy.download(&mut state, BUFFER_IDS)?;
-    Ok(Computed(BUFFER_IDS.iter().map(|slot| (*slot, state.data.bytes(*slot).to_vec())).collect()))
+    Ok(Computed::of(&state))
 }
 
 impl Computed {
+    /// All buffers but those that stages keep for themselves.
+    fn of(state: &State) -> Self {
+        let scratch = |slot: BufferId| STAGES.iter().any(|stage| stage.is_scratch(slot));
+        let compared = BUFFER_IDS.iter().filter(|slot| !scratch(**slot));
+        Self(compared.map(|slot| (*slot, state.data.bytes(*slot).to_vec())).collect())
+    }
+
     /// The buffers that hold something else.
     fn differ(&self, other: &Self) -> Vec<BufferId> {
         let pairs = self.0.iter().zip(&other.0);

@@ -11,7 +11,8 @@ use crate::dipole::distance2;
 use crate::error::Result;
 use crate::layout::{
     BLOCK_CLASSES, BLOCK_RECEIVERS, BufferId, Emitter, GROUP_SIZE, GROUPS_A_ROW, LINK_AREA, LINK_DIRECT, LINK_DROPPED,
-    LINK_EDGE, LINK_EXPANDED, LINK_KEPT, LINK_KINDS, LINK_OPENED, LINK_SHIFT, MOST_DIRECT, Range, Runs, Sphere,
+    LINK_EDGE, LINK_EXPANDED, LINK_KEPT, LINK_KINDS, LINK_OPENED, MOST_DIRECT, NOTED_EXTRA, NOTED_LEAST, Range, Runs,
+    Sphere,
 };
 use crate::state::{Carrier, Granularity, Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
@@ -23,7 +24,7 @@ pub static STAGE: Stage = Stage {
     writes: &[
         (BufferId::runs, Role::Update, Tolerance::Exact),
         (BufferId::counters, Role::Update, Tolerance::Exact),
-        (BufferId::decisions, Role::Output, Tolerance::Exact),
+        (BufferId::decisions, Role::Scratch, Tolerance::Exact),
         (BufferId::entries, Role::Output, Tolerance::Exact),
         (BufferId::near, Role::Update, Tolerance::Exact),
         (BufferId::near_groups, Role::Update, Tolerance::Exact),
@@ -31,7 +32,7 @@ pub static STAGE: Stage = Stage {
     reason: "decisions: additions, multiplications and comparisons in f32, the same everywhere",
     sizes: &[
         (BufferId::runs, Size::Elements(blocks_of_batches)),
-        (BufferId::decisions, Size::Elements(|state| state.largest_batch() * LINK_KEPT)),
+        (BufferId::decisions, Size::Grows(decided)),
         (BufferId::near, Size::Elements(blocks_of_batches)),
         (BufferId::near_groups, Size::Elements(|state| state.batch_parts() * 64)),
         (
@@ -53,6 +54,13 @@ fn runs(update: &Update) -> bool {
         (false, false) => update.sums(),
     };
     made_for || update.material() || update.other_receivers() || update.change.relink
+}
+
+/// What one invocation keeps for each block of a batch, and room for what groups note of them.
+fn decided(state: &State) -> usize {
+    let blocks = state.largest_batch();
+    let entries = state.data.object_params[0].entry_capacity as usize;
+    (blocks * LINK_KEPT).max(blocks * NOTED_EXTRA + entries / NOTED_LEAST * (NOTED_LEAST + 2))
 }
 
 /// One element per block of each batch, rounded up so that a device can bind each batch's part.
@@ -125,17 +133,10 @@ fn cpu(state: &mut State, at: Scope) {
     }
     let emitters = &data.emitters[base..base + data.topology.len()];
     let expands = &data.expansion_distances[base..base + data.topology.len()];
-    debug_assert!(data.decisions.len() >= blocks.len() * LINK_KEPT);
     let lists: Vec<[Vec<u32>; LINK_KINDS]> = (data.spheres[blocks].par_iter())
-        .zip(data.decisions.par_chunks_exact_mut(LINK_KEPT))
-        .map(|(sphere, decisions)| {
+        .map(|sphere| {
             let mut lists: [Vec<u32>; LINK_KINDS] = Default::default();
-            let mut kept = 0;
-            walk(sphere, emitters, expands, |kind, node| {
-                decisions[kept.min(LINK_KEPT - 1)] = (kind as u32) << LINK_SHIFT | node;
-                kept += usize::from(kind != Kind::Dropped && kind != Kind::Opened);
-                lists[kind as usize].push(node);
-            });
+            walk(sphere, emitters, expands, |kind, node| lists[kind as usize].push(node));
             lists
         })
         .collect();

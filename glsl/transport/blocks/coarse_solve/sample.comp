@@ -14,7 +14,11 @@ WRITES(samples)
 #include "dipole/near.glsl"
 #include "dipole/derivatives.glsl"
 #include "transport/blocks/channels.glsl"
+const uint WORDS = 1280;
 #include "transport/blocks/share.glsl"
+
+// All words must fit.
+bool take(uint total) { return false; }
 
 const uint HALF = COARSE_SAMPLES / 2;
 const uint COARSE_RUN = 16; // clusters that are summed by themselves
@@ -98,13 +102,12 @@ vec3 sum_alone() {
 
 const uint AT_ONCE = 8 * COARSE_RUN; // what clusters send is kept, and summed by run
 shared vec3 values[AT_ONCE];
-shared vec3 run_sums[POOL / COARSE_RUN + 1];
+shared vec3 run_sums[WORDS / COARSE_RUN];
 
 // The same sum, for the first invocation of the group.
 vec3 sum_together() {
     uint self = gl_LocalInvocationIndex;
-    bool cut;
-    if (!walk_together(cut)) return self == 0 ? sum_alone() : vec3(0);
+    if (!walk_together()) return self == 0 ? sum_alone() : vec3(0);
     uint total = found_count, runs = (total + COARSE_RUN - 1) / COARSE_RUN;
     sort_found(total);
     for (uint first = 0; first < total; first += AT_ONCE) {

@@ -66,6 +66,7 @@ void main() {
         near_groups[1] = uvec3(min(blocks_near, row), (blocks_near + row - 1) / row, 1);
         near_groups[2] = uvec3(blocks_near, 0, 0);
         counters[0].entries = all.x;
+        counters[0].noted = 0;
         counters[0].required_entries = max(counters[0].required_entries, all.x);
         counters[0].required_near = max(counters[0].required_near, most_near);
         counters[0].overflow = max(counters[0].overflow, uint(!fits || most_near > object_params[0].near_capacity));

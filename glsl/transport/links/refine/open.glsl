@@ -7,7 +7,7 @@ void main() {
     if (chunk == 0) {
         ListCounters old = counters[0];
         counters[0] = ListCounters(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, old.contrast, old.contrast, 0, 0, 0, 0, 0, 0, 0, 0,
-            old.padding, old.more_padding, old.last_padding);
+            old.padding, old.more_padding, 0);
     }
     counters[0].links = 0;
     counters[0].areas = 0;
