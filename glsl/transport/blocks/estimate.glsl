@@ -32,10 +32,10 @@ float missed_dropped(float sigma, float value, float tau) {
     return value * (t > 1e-2 ? 0.5 * (exp(t) - exp(-t)) / t : 1.0);
 }
 
+// Not squared.
 vec3 missed_edge(uint nodes, vec3 sigma, float tau, vec3 value) {
     vec3 size = min(sigma * sqrt(tau), vec3(3));
-    vec3 missed = value * size * (nodes == 3 ? vec3(5e-3) : (nodes == 6 ? 4e-4 : 1e-6) * size);
-    return missed * missed;
+    return value * size * (nodes == 3 ? vec3(5e-3) : (nodes == 6 ? 4e-4 : 1e-6) * size);
 }
 
 // The estimate of a receiver.

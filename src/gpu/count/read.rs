@@ -241,10 +241,14 @@ impl<'a> Module<'a> {
         self.pointers.contains_key(&pointer) || self.shared.contains(&pointer)
     }
 
-    /// The cost of a function of GLSL.std.450 whose result has `n` components.
+    /// What a function of GLSL.std.450 whose result has `n` components takes: a fused multiply-add one instruction,
+    /// though it is two operations.
     fn cost_of(&self, operands: &[u32], n: u32) -> Cost {
-        let function = operands.get(3).and_then(|number| GLOp::from_u32(*number));
-        function.map_or_else(Cost::default, |f| extended(f, n, self.components_of(operands.get(4), n)))
+        match operands.get(3).and_then(|number| GLOp::from_u32(*number)) {
+            Some(GLOp::Fma) => flops(n),
+            Some(function) => extended(function, n, self.components_of(operands.get(4), n)),
+            None => Cost::default(),
+        }
     }
 
     /// The pointer that an instruction loads or stores through, and the bytes that it moves.

@@ -27,10 +27,17 @@ UPDATES(estimate)
 #include "transport/blocks/estimate.glsl"
 #include "transport/blocks/gather/receiver.glsl"
 const bool ERRORS = ESTIMATE != 0;
+#define NEAR_RUN 1 // one takes long
 #include "transport/blocks/gather/near.glsl"
 
 Receiver self;
 uint first;
+
+// A product that no sum takes in: one invocation alone adds it at once, a team later.
+vec3 product(vec3 a, vec3 b) {
+    precise vec3 both = a * b;
+    return both;
+}
 
 void add(uint k) {
     uint node = entries[first + k], face = topology[node].face;
@@ -45,9 +52,10 @@ void add(uint k) {
     vec3 foot = -height * normal;
     vec3 real = edge_form(sigma, a, b, c, corner, normal, foot, sqrt(height * height + z_real * z_real));
     vec3 virt = edge_form(sigma, a, b, c, corner, normal, foot, sqrt(height * height + z_virtual * z_virtual));
-    vec3 value = irradiance[face] * (z_real * real + z_virtual * virt);
+    vec3 value = product(irradiance[face], z_real * real + z_virtual * virt);
     sum += value;
-    if (ESTIMATE != 0) error += missed_edge(NODES, sigma, emitter.moment_trace, object_params[0].strength * value);
+    vec3 missed = missed_edge(NODES, sigma, emitter.moment_trace, object_params[0].strength * value);
+    if (ESTIMATE != 0) error += product(missed, missed);
 }
 
 void main() {

@@ -1,6 +1,9 @@
 // A block's near triangles at each of its receivers. Each run of NEAR_RUN triangles is summed by itself, then these
 // sums are, in their order: so teams of invocations may sum runs at once. The includer reads the buffers named here,
 // and says whether it has ERRORS; with ALONE it has no teams, with NO_SUMS it sums nothing here.
+#ifndef NEAR_RUN
+#define NEAR_RUN 4
+#endif
 #ifdef ALONE
 layout(local_size_x = GROUP_SIZE) in;
 const uint TEAMS = 1;
@@ -32,8 +35,6 @@ uint team() { return TEAMS == 1 ? 0 : gl_LocalInvocationIndex / BLOCK_RECEIVERS;
 bool stores(Receiver self) { return self.present && team() == 0; }
 
 #ifndef NO_SUMS
-const uint NEAR_RUN = 4; // triangles that are summed by themselves
-
 // The includer adds number `k` of the list to `sum` and `error`.
 void add(uint k);
 

@@ -39,24 +39,23 @@ void alone(uint i, Runs one) {
 shared uint part_words[WORDS];
 
 uvec4 loaded(uvec4 at) { return uvec4(decisions[at.x], decisions[at.y], decisions[at.z], decisions[at.w]); }
-uvec4 words_at(uvec4 at) { return uvec4(part_words[at.x], part_words[at.y], part_words[at.z], part_words[at.w]); }
 
-// Loads a part's words.
+// Loads a part's words; NONE fills the rest.
 void load(uint first, uint total) {
     barrier();
-    for (uint k = gl_LocalInvocationIndex; k < total; k += 4 * LANES) {
+    for (uint k = gl_LocalInvocationIndex; k < WORDS; k += 4 * LANES) {
         uvec4 at = k + LANES * uvec4(0, 1, 2, 3), words = loaded(first + min(at, total - 1));
-        for (uint j = 0; j < 4; ++j) if (at[j] < total) part_words[at[j]] = words[j];
+        for (uint j = 0; j < 4; ++j) if (at[j] < WORDS) part_words[at[j]] = at[j] < total ? words[j] : NONE;
     }
     barrier();
 }
 
-// How many of the part's sorted words are smaller than each of these.
-uvec4 smaller(uvec4 words, uint total) {
+// How many of the part's words are smaller than each of these; not all are.
+uvec4 smaller(uvec4 words) {
     uvec4 count = uvec4(0);
-    for (uint step = 1u << findMSB(total); step > 0; step /= 2) {
-        uvec4 next = count + step, known = words_at(min(next, total) - 1);
-        count += step * uvec4(lessThanEqual(next, uvec4(total))) * uvec4(lessThan(known, words));
+    for (uint step = WORDS / 2; step > 0; step /= 2) {
+        uvec4 at = count + step - 1, known = uvec4(part_words[at.x], part_words[at.y], part_words[at.z], part_words[at.w]);
+        count += step * uvec4(lessThan(known, words));
     }
     return count;
 }
@@ -71,9 +70,8 @@ void together(uint i, uint first) {
             uvec4 words = loaded(part + PART_HEADER + min(place, total - 1));
             for (uint other = decisions[i]; other != NONE; other = decisions[other]) {
                 if (other == part) continue;
-                uint count = decisions[other + 1];
-                load(other + PART_HEADER, count);
-                place += smaller(words, count);
+                load(other + PART_HEADER, decisions[other + 1]);
+                place += smaller(words);
             }
             for (uint j = 0; j < 4; ++j) if (mine[j]) entries[first + place[j]] = words[j] & (1u << LINK_SHIFT) - 1;
         }
