@@ -14,7 +14,7 @@ WRITES(samples)
 #include "dipole/near.glsl"
 #include "dipole/derivatives.glsl"
 #include "transport/blocks/channels.glsl"
-const uint WORDS = 1280;
+const uint WORDS = 1024;
 #include "transport/blocks/share.glsl"
 
 // All words must fit.
