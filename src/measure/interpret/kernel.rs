@@ -7,6 +7,7 @@ use super::memory::{Memory, Part};
 use super::run::Launch;
 use super::watch::{Finding, Kind, Suspects, Watch};
 use crate::error::{Error, Result};
+use crate::gpu::words_in;
 
 /// Most blocks that a group runs.
 pub const MOST_BLOCKS: u64 = 1 << 26;
@@ -26,6 +27,7 @@ pub struct Kernel {
 }
 
 /// A dispatch of it.
+#[derive(Clone, Copy)]
 pub struct Launched<'a> {
     /// Groups in each dimension.
     pub groups: [u32; 3],
@@ -115,8 +117,7 @@ impl Kernel {
 
     fn launch(&self, launched: &Launched<'_>, watch: Option<&mut Watch<'_>>) -> Result<u64> {
         let fault = |what: String| Error::device(format!("interpreting kernel {}", self.name), what);
-        let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-        let push: Vec<u32> = launched.push.chunks_exact(4).map(word).collect();
+        let push = words_in(launched.push);
         let takes = self.code.pushed.1 as usize;
         let push = push.get(..takes).ok_or_else(|| fault(format!("it takes {takes} words of push constants")))?;
         let part = |binding: &u32| {
@@ -127,13 +128,12 @@ impl Kernel {
         if !SUBGROUPS.contains(&launched.subgroup) {
             return Err(fault(format!("subgroups of {} invocations", launched.subgroup)));
         }
-        let Launched { groups, memory, subgroup, most_blocks, .. } = *launched;
+        let groups = launched.groups;
         if groups.iter().any(|count| *count > MOST_GROUPS) {
             return Err(fault(format!(
                 "a dispatch of {groups:?} groups; it has at most {MOST_GROUPS} of each dimension"
             )));
         }
-        let launch = Launch { code: &self.code, groups, push, bound: &bound, memory, subgroup, most_blocks };
-        launch.run(watch).map_err(fault)
+        Launch { code: &self.code, asked: launched, push, bound: &bound }.run(watch).map_err(fault)
     }
 }

@@ -2,8 +2,6 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::code::Two;
-
 /// The word that stands for what a stage has yet to write: NaN as a float, far beyond any index as an integer.
 pub const POISON: u32 = 0xffc0_dead;
 /// The word of a variable of an invocation that nothing has written; it is NaN, too.
@@ -67,15 +65,9 @@ impl Memory {
         self.words[word].store(value, Ordering::Relaxed);
     }
 
-    /// Has a word changed by a function of it and the operand, in one step; returns the old word.
-    pub(super) fn apply(&self, word: usize, f: Two, operand: u32) -> u32 {
-        let new = |old| Some(f(old, operand));
-        self.words[word].fetch_update(Ordering::Relaxed, Ordering::Relaxed, new).unwrap_or_else(|old| old)
-    }
-
-    /// Writes a word if it is the one that is compared; returns the old word.
-    pub(super) fn exchange(&self, word: usize, compared: u32, value: u32) -> u32 {
-        let done = self.words[word].compare_exchange(compared, value, Ordering::Relaxed, Ordering::Relaxed);
-        done.unwrap_or_else(|old| old)
+    /// Has a word changed by this function, in one step; returns the old word.
+    pub(super) fn change(&self, word: usize, new: impl Fn(u32) -> u32) -> u32 {
+        let changed = self.words[word].fetch_update(Ordering::Relaxed, Ordering::Relaxed, |old| Some(new(old)));
+        changed.unwrap_or_else(|old| old)
     }
 }

@@ -10,7 +10,7 @@ use super::memory::is_undefined;
 use super::{Finding, Kernel, Launched, MOST_BLOCKS, Memory, Part, Suspects};
 use crate::error::{Error, Result};
 use crate::gpu::count::{BINDING, Block, Counted, Tally, counted};
-use crate::gpu::{KernelKey, most_lanes, set_by_device, spirv};
+use crate::gpu::{KernelKey, most_lanes, set_by_device, words_of};
 use crate::layout::{BUFFER_IDS, BufferId, GROUPS_A_ROW, MOST_LANES};
 use crate::state::{Call, Groups, State, Step, Width, requested};
 
@@ -176,11 +176,7 @@ impl Interpreter {
         }
         let words = match self.replaced.get(name) {
             Some(words) => words.clone(),
-            None => {
-                let missing = || Error::device(format!("looking for kernel {name}"), "no such shader was built");
-                let word = |b: &[u8]| u32::from_le_bytes([b[0], b[1], b[2], b[3]]);
-                spirv(name).ok_or_else(missing)?.chunks_exact(4).map(word).collect()
-            }
+            None => words_of(name)?,
         };
         let shape = set_by_device(name, &words, self.settings.lanes.min(most_lanes(name)));
         let counted = if self.settings.counts { counted(&words) } else { None };
