@@ -76,6 +76,8 @@ pub use list::{Place, Timing};
 pub use logical_device::LogicalDevice;
 pub use memory::Buffer;
 pub use offers::Offers;
+#[cfg(feature = "measure")]
+pub(crate) use order::waits;
 pub(crate) use record::{Recorder, Recordings, Work};
 #[cfg(feature = "measure")]
 pub(crate) use reflect::words_of;

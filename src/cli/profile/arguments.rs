@@ -125,7 +125,7 @@ impl Arguments {
             true => ROUNDS as u32,
             false => FRAMES,
         };
-        let TimingArguments { until, seed, .. } = self.timing;
+        let until = self.timing.until;
         let frames = self.timing.frames.unwrap_or(if until.is_some() { MOST } else { usual });
         let budget = self.timing.budget.or(until.map(|_| 60.0));
         Settings {
@@ -134,7 +134,7 @@ impl Arguments {
             frames: frames as usize,
             enough: budget.unwrap_or(f64::INFINITY),
             until,
-            seed,
+            seed: self.timing.seed(),
             traces: false,
         }
     }
@@ -204,11 +204,11 @@ impl Arguments {
             ("--frames", self.timing.frames.is_some()),
             ("--until", self.timing.until.is_some()),
             ("--budget", self.timing.budget.is_some()),
+            ("--seed", self.timing.seed.is_some()),
             ("--alternate", self.alternate.is_some()),
             ("--compare", !self.compare.is_empty()),
             ("--against", self.against.is_some()),
             ("--why", self.why),
-            ("--as", self.model.is_some()),
             ("--serve", self.serve),
         ];
         let gate = self.gate.idle(false, false);
