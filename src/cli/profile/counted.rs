@@ -1,7 +1,7 @@
 //! What kernels do in a frame, counted by the interpreter, without a device, as a table.
 
 use super::text::millions;
-use super::{Arguments, predicted, print, ready, write};
+use super::{Arguments, predicted, print, ready_for, write};
 use crate::cli::size;
 use milkglass::error::{Error, Result};
 use milkglass::measure::interpret::stage::{Interpreter, LANES, SUBGROUP, Settings};
@@ -11,7 +11,7 @@ use milkglass::measure::table::Table;
 /// Counts, prints, and writes the file of `--csv`.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     arguments.counts_only()?;
-    ready(arguments.files())?;
+    ready_for(arguments.files())?;
     let scene = arguments.scene()?.load()?;
     let on = |kernels| Interpreter::with(Settings::counting(), kernels);
     let interpreter = on(arguments.replace.load()?);
