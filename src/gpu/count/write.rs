@@ -97,8 +97,8 @@ impl Counters {
         }
     }
 
-    /// Counts a block's instructions once for each subgroup: its elected invocation adds them. In the first block, where
-    /// the kernel `begins`, it counts the subgroup, too.
+    /// Counts a block's instructions once for each subgroup: its elected invocation adds them. Where the kernel
+    /// `begins`, it counts the subgroup, too.
     pub(super) fn issue(self, out: &mut Edited, instructions: u32, begins: bool) {
         let Self { uint, boolean, zero, own, .. } = self;
         if !self.elects {
@@ -116,8 +116,8 @@ impl Counters {
         }
     }
 
-    /// Stores what an invocation has counted, where it ends: raises the words from `first` on to its chain where that is
-    /// longer, and adds to the sums behind them, of instructions that subgroups issued and of subgroups.
+    /// Stores what an invocation has counted, where it ends: raises the words from `first` on to its chain where that
+    /// is longer, and adds to the sums behind them, of instructions that subgroups issued and of subgroups.
     pub(super) fn end(self, out: &mut Edited, first: u32) {
         let Self { uint, word_pointer, variable, zero, own, .. } = self;
         let (scope, semantics) = (zero + Scope::Device as u32, zero + MemorySemantics::RELAXED.bits());

@@ -34,8 +34,8 @@ impl Shape {
         }
     }
 
-    /// The shape with `lanes` invocations for each item, or one where the kernel has no constant for it, as a user's may
-    /// not. Groups that another kernel counts have at least their usual size.
+    /// The shape with `lanes` invocations for each item, or one where the kernel has no constant for it, as a user's
+    /// may not. Groups that another kernel counts have at least their usual size.
     pub(in super::super) fn with_lanes(lanes: u32, found: &Reflected) -> Self {
         let has = |id: u32| found.constants.contains_key(&id);
         let teams = |group: u32| Some((group, (TEAMS_ID, group / BLOCK_RECEIVERS as u32)));
@@ -114,8 +114,8 @@ impl LogicalDevice {
         self.choices().lanes.unwrap_or(default).min(adapter.limits.group_invocations).min(MOST_LANES)
     }
 
-    /// The size of a group that works through all elements alone: the largest where items are shared; 1 leaves it to the
-    /// kernel.
+    /// The size of a group that works through all elements alone: the largest where items are shared; 1 leaves it to
+    /// the kernel.
     fn widest(&self) -> u32 {
         if self.lanes() > 1 { self.most_in_group() } else { 1 }
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::code::{Code, Site};
-use super::memory::{Memory, Part};
+use super::memory::{Launched, Part};
 use super::run::Launch;
 use super::watch::{Finding, Kind, Suspects, Watch};
 use crate::error::{Error, Result};
@@ -24,23 +24,6 @@ const SUBGROUPS: std::ops::RangeInclusive<u32> = 1..=128;
 pub struct Kernel {
     name: String,
     code: Code,
-}
-
-/// A dispatch of it.
-#[derive(Clone, Copy)]
-pub struct Launched<'a> {
-    /// Groups in each dimension.
-    pub groups: [u32; 3],
-    /// Push constants.
-    pub push: &'a [u8],
-    /// What is bound, by binding.
-    pub bound: &'a BTreeMap<u32, Part>,
-    /// The buffers.
-    pub memory: &'a [&'a Memory],
-    /// Invocations of a subgroup.
-    pub subgroup: u32,
-    /// Most blocks that a group runs, [`MOST_BLOCKS`]: a kernel that takes more is said not to end.
-    pub most_blocks: u64,
 }
 
 impl Kernel {

@@ -1,5 +1,6 @@
 //! The memory that kernels run on: buffers, of which a dispatch binds parts.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// The word that stands for what a stage has yet to write: NaN as a float, far beyond any index as an integer.
@@ -28,6 +29,23 @@ pub struct Part {
     pub first: usize,
     /// How many words.
     pub count: usize,
+}
+
+/// A dispatch of a kernel.
+#[derive(Clone, Copy)]
+pub struct Launched<'a> {
+    /// Groups in each dimension.
+    pub groups: [u32; 3],
+    /// Push constants.
+    pub push: &'a [u8],
+    /// What is bound, by binding.
+    pub bound: &'a BTreeMap<u32, Part>,
+    /// The buffers.
+    pub memory: &'a [&'a Memory],
+    /// Invocations of a subgroup.
+    pub subgroup: u32,
+    /// Most blocks that a group runs, [`MOST_BLOCKS`](super::MOST_BLOCKS): a kernel that takes more is said not to end.
+    pub most_blocks: u64,
 }
 
 impl Memory {

@@ -9,8 +9,7 @@ use spirq::spirv::BuiltIn;
 use super::code::{
     Access, Act, Atomic, BEYOND, Block, Change, Code, Decoded, Edge, End, Exchange, Function, Pointer, Root,
 };
-use super::kernel::Launched;
-use super::memory::{Part, UNDEFINED, UNDEFINED_SHARED, is_undefined};
+use super::memory::{Launched, Part, UNDEFINED, UNDEFINED_SHARED, is_undefined};
 use super::pointers::rest;
 use super::watch::{Touch, Watch};
 

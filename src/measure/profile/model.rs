@@ -215,8 +215,8 @@ impl Prediction {
     }
 }
 
-/// The rows of a frame of which each dispatch has done this: stages, kernels or dispatches, each with as many dispatches
-/// and barriers as these say.
+/// The rows of a frame, stages, kernels or dispatches, from what each dispatch has done; `launches` says how many
+/// dispatches and barriers a row has.
 fn rows(
     model: &Model,
     timed: Timed,
