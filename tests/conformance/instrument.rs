@@ -201,8 +201,8 @@ fn the_interpreter_counts_what_devices_do() {
     });
 }
 
-/// A prediction is the same, but for clusters, whose dispatches llvmpipe makes level by level and whose chains depend on
-/// who climbs, and but for the walks above. Diffusion is solved in several submissions.
+/// A prediction is the same, but for clusters, whose dispatches llvmpipe makes level by level and whose chains depend
+/// on who climbs, and but for the walks above. Diffusion is solved in several submissions.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_interpreter_predicts_what_devices_do() {
