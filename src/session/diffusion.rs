@@ -32,6 +32,7 @@ fn iterates(step: &Step) -> bool {
 
 /// The steps of a frame as a device gets them: lists that are submitted one after the other. The host waits for each
 /// step of the solver.
+#[cfg(feature = "measure")]
 pub(crate) fn submitted(steps: &[Step]) -> Vec<Vec<Step>> {
     let Some(first) = steps.iter().position(iterates) else { return vec![steps.to_vec()] };
     let (before, after) = steps.split_at(first);

@@ -82,6 +82,7 @@ impl Dispatch {
     }
 
     /// The buffers that it binds or that count its groups, and whether it reads and writes them.
+    #[cfg(feature = "measure")]
     pub(crate) fn uses(&self, state: &State) -> Result<Vec<(BufferId, bool, bool)>> {
         let bound = self.bound(state)?.into_iter().map(|bound| (bound.slot, bound.reads, bound.writes));
         Ok(bound.chain(self.counted.map(|slot| (slot, true, false))).collect())
