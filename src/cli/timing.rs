@@ -21,9 +21,9 @@ pub(super) struct TimingArguments {
     /// Time no longer than this, in `vary` for each axis [default: 60 with `--until` and in `vary`].
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub(super) budget: Option<f64>,
-    /// Seed of the order of what is compared, and of the intervals.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(super) seed: u64,
+    /// Seed of the order of what is compared, and of the intervals [default: 1].
+    #[arg(long, value_name = "N")]
+    pub(super) seed: Option<u64>,
     /// What changes before each frame.
     #[arg(long, value_enum, default_value_t)]
     change: ChangeArgument,
@@ -43,6 +43,11 @@ enum ChangeArgument {
 }
 
 impl TimingArguments {
+    /// The seed.
+    pub(super) fn seed(&self) -> u64 {
+        self.seed.unwrap_or(1)
+    }
+
     /// What changes before each frame.
     pub(super) fn change(&self) -> Change {
         match self.change {

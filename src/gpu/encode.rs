@@ -10,7 +10,7 @@ use super::choices::{Queues, Submissions};
 use super::faults::{Told, drops, tell};
 use super::list::{Entry, Groups, Listed, Place, Timing};
 use super::logical_device::LogicalDevice;
-use super::order::{Wait, waits};
+use super::order::{Wait, uses, waits};
 use super::sets::Sets;
 use crate::error::Result;
 use barriers::STAGES;
@@ -205,7 +205,7 @@ impl Encoded {
     fn find_waits(&mut self, list: &[Entry], dispatches: &[&Listed]) -> Result<Vec<Option<Wait>>> {
         let choices = self.device.choices();
         Ok(match choices.queues {
-            Queues::One => waits(dispatches, choices.barriers),
+            Queues::One => waits(dispatches.iter().map(|listed| uses(listed)), choices.barriers),
             Queues::Apart | Queues::Two => {
                 let batches = Batches::new(&self.device, list)?;
                 let waits = batches.waits(dispatches, choices.barriers);

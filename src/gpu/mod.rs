@@ -76,7 +76,11 @@ pub use list::{Place, Timing};
 pub use logical_device::LogicalDevice;
 pub use memory::Buffer;
 pub use offers::Offers;
+#[cfg(feature = "measure")]
+pub(crate) use order::waits;
 pub(crate) use record::{Recorder, Recordings, Work};
+#[cfg(feature = "measure")]
+pub(crate) use reflect::words_of;
 pub use reflect::{
     Access, accesses, constants, group_is_open, kernel_names, kernels_without_subgroups, reflect_records, spirv,
 };
@@ -86,4 +90,6 @@ pub(crate) use shift::shifted;
 pub use single_kernel::SingleKernel;
 #[cfg(feature = "measure")]
 pub(crate) use spirv_module::{Instruction, instructions};
+#[cfg(feature = "measure")]
+pub(crate) use spirv_module::{text, words_in};
 pub(crate) use transfer::{BufferRange, Upload, download, upload};

@@ -3,18 +3,17 @@
 use std::collections::BTreeMap;
 
 use ash::vk;
-use ash::vk::Handle as _;
 
 use super::choices::Barriers;
 use super::list::{Groups, Listed};
 
 /// What a dispatch waits for.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Wait {
+pub(crate) struct Wait<B = vk::Buffer> {
     /// The last dispatch that has to be done, by its index.
-    pub(super) after: usize,
+    pub(crate) after: usize,
     /// The buffers in question.
-    pub(super) buffers: Vec<vk::Buffer>,
+    pub(crate) buffers: Vec<B>,
 }
 
 /// The last dispatches that read and wrote a buffer, as far as later ones still have to wait for them.
@@ -24,29 +23,33 @@ struct Pending {
     written: Option<usize>,
 }
 
-/// What each dispatch waits for, if it reads what an earlier one wrote, or writes what an earlier one read or wrote.
-pub(super) fn waits(list: &[&Listed], barriers: Barriers) -> Vec<Option<Wait>> {
-    let mut pending: BTreeMap<u64, Pending> = BTreeMap::new();
-    let mut found = Vec::with_capacity(list.len());
-    for (index, dispatch) in list.iter().enumerate() {
-        let mut wait: Option<Wait> = None;
-        for (buffer, _, writes) in uses(dispatch) {
-            let Some(known) = pending.get(&buffer.as_raw()) else { continue };
+/// What each dispatch waits for, if it reads what an earlier one wrote, or writes what an earlier one read or wrote. Of
+/// each dispatch the list has its buffers, and whether it reads and writes them.
+pub(crate) fn waits<B: Copy + Ord, U: IntoIterator<Item = (B, bool, bool)> + Clone>(
+    list: impl IntoIterator<Item = U>,
+    barriers: Barriers,
+) -> Vec<Option<Wait<B>>> {
+    let mut pending: BTreeMap<B, Pending> = BTreeMap::new();
+    let mut found = Vec::new();
+    for (index, uses) in list.into_iter().enumerate() {
+        let mut wait: Option<Wait<B>> = None;
+        for (buffer, _, writes) in uses.clone() {
+            let Some(known) = pending.get(&buffer) else { continue };
             if let Some(after) = known.written.max(known.read.filter(|_| writes)) {
-                let wait = wait.get_or_insert_default();
+                let wait = wait.get_or_insert(Wait { after: 0, buffers: Vec::new() });
                 wait.after = wait.after.max(after);
                 wait.buffers.push(buffer);
             }
         }
         if barriers == Barriers::Every && index > 0 {
-            wait.get_or_insert_default().after = index - 1;
+            wait.get_or_insert(Wait { after: 0, buffers: Vec::new() }).after = index - 1;
         }
         // What has been waited for.
         match (&wait, barriers) {
             (None, _) => {}
             (Some(wait), Barriers::Buffer) => {
                 for buffer in &wait.buffers {
-                    pending.remove(&buffer.as_raw());
+                    pending.remove(buffer);
                 }
             }
             (Some(wait), Barriers::Events) => pending.values_mut().for_each(|entry| {
@@ -55,8 +58,8 @@ pub(super) fn waits(list: &[&Listed], barriers: Barriers) -> Vec<Option<Wait>> {
             }),
             (Some(_), Barriers::Elided | Barriers::Every | Barriers::Synchronization2) => pending.clear(),
         }
-        for (buffer, reads, writes) in uses(dispatch) {
-            let entry = pending.entry(buffer.as_raw()).or_default();
+        for (buffer, reads, writes) in uses {
+            let entry = pending.entry(buffer).or_default();
             entry.read = if reads { Some(index) } else { entry.read };
             entry.written = if writes { Some(index) } else { entry.written };
         }
@@ -66,7 +69,7 @@ pub(super) fn waits(list: &[&Listed], barriers: Barriers) -> Vec<Option<Wait>> {
 }
 
 /// The buffers of a dispatch, and whether it reads and writes them.
-pub(super) fn uses(dispatch: &Listed) -> impl Iterator<Item = (vk::Buffer, bool, bool)> + '_ {
+pub(super) fn uses(dispatch: &Listed) -> impl Iterator<Item = (vk::Buffer, bool, bool)> + Clone + '_ {
     let bound = dispatch.kernel.accesses.iter().zip(&dispatch.ranges);
     let counted = match dispatch.groups {
         Groups::Counted { range, .. } => Some((range.buffer, true, false)),

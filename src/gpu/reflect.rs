@@ -8,7 +8,7 @@ use spirq::prelude::*;
 use spirq::spirv::{Capability, Decoration, ExecutionMode, Op};
 use spirq::ty::{AccessType, DescriptorType, ScalarType, Type};
 
-use super::spirv_module::{Declared, Instruction, edited, instructions};
+use super::spirv_module::{Declared, Instruction, edited, instructions, words_in};
 use crate::error::{Error, Result};
 use crate::layout::GROUP_ID;
 
@@ -67,7 +67,7 @@ pub fn accesses(name: &str) -> Result<Vec<Access>> {
     Ok(found)
 }
 
-pub(super) fn words_of(name: &str) -> Result<Vec<u32>> {
+pub(crate) fn words_of(name: &str) -> Result<Vec<u32>> {
     let bytes =
         spirv(name).ok_or_else(|| Error::device(format!("looking for kernel {name}"), "no such shader was built"))?;
     Ok(words_in(bytes))
@@ -77,10 +77,6 @@ pub(super) fn words_of(name: &str) -> Result<Vec<u32>> {
 pub(super) fn words_without_subgroups(name: &str) -> Option<Vec<u32>> {
     let found = SPIRV_WITHOUT_SUBGROUPS.iter().find(|(known, _)| *known == name);
     found.map(|(_, bytes)| words_in(bytes))
-}
-
-fn words_in(bytes: &[u8]) -> Vec<u32> {
-    bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
 /// Whether a module has subgroup operations, by its capabilities.

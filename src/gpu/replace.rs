@@ -9,7 +9,7 @@ use std::path::Path;
 use super::choices::Optimization;
 use super::extras::needed;
 use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
-use super::spirv_module::{MAGIC, entry_points, whole};
+use super::spirv_module::{MAGIC, entry_points, whole, words_in};
 use crate::error::{Error, Input, Result};
 use crate::layout::{BUFFER_IDS, declarations};
 use adapt::adapted;
@@ -174,7 +174,7 @@ fn read(file: &Path) -> std::result::Result<String, String> {
 
 /// The words of a module of SPIR-V.
 fn module(file: &Path, bytes: &[u8]) -> Result<Vec<u32>> {
-    let words: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let words = words_in(bytes);
     if !bytes.len().is_multiple_of(4) || words.first() != Some(&MAGIC) || !whole(&words) {
         let found = format!("{} bytes", bytes.len());
         return Err(Input::new("not a module of SPIR-V")

@@ -45,13 +45,21 @@ pub(super) fn whole(module: &[u32]) -> bool {
     at == module.len() && at > HEADER_WORDS
 }
 
+/// The words that are in these bytes.
+pub(crate) fn words_in(bytes: &[u8]) -> Vec<u32> {
+    bytes.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect()
+}
+
+/// The text of a literal.
+pub(crate) fn text(words: &[u32]) -> String {
+    let bytes = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0);
+    String::from_utf8_lossy(&bytes.collect::<Vec<_>>()).into_owned()
+}
+
 /// The names of a module's entry points.
 pub(super) fn entry_points(module: &[u32]) -> Vec<String> {
     let name = |instruction: Instruction<'_>| match (instruction.op, instruction.operands) {
-        (Some(Op::EntryPoint), [_, _, words @ ..]) => {
-            let bytes = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0);
-            Some(String::from_utf8_lossy(&bytes.collect::<Vec<_>>()).into_owned())
-        }
+        (Some(Op::EntryPoint), [_, _, words @ ..]) => Some(text(words)),
         _ => None,
     };
     instructions(module).filter_map(name).collect()

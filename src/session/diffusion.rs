@@ -30,6 +30,24 @@ fn iterates(step: &Step) -> bool {
     step.stage.is(&boundary_integrals::STAGE) || step.stage.is(&krylov_step::STAGE)
 }
 
+/// The steps of a frame as a device gets them: lists that are submitted one after the other. The host waits for each
+/// step of the solver.
+#[cfg(feature = "measure")]
+pub(crate) fn submitted(steps: &[Step]) -> Vec<Vec<Step>> {
+    let Some(first) = steps.iter().position(iterates) else { return vec![steps.to_vec()] };
+    let (before, after) = steps.split_at(first);
+    let sums = |step: &&Step| step.stage.is(&krylov_sum::STAGE);
+    let mut lists = vec![before.to_vec()];
+    for sum in after.iter().filter(sums) {
+        let iterations = |step: &&Step| iterates(step) && step.at.object == sum.at.object;
+        let iterations: Vec<Step> = after.iter().filter(iterations).copied().collect();
+        lists.extend(iterations.chunks(2).map(<[Step]>::to_vec));
+        lists.push(vec![*sum]);
+    }
+    lists.push(after.iter().filter(|step| !iterates(step) && !sums(step)).copied().collect());
+    lists
+}
+
 impl Session {
     /// Reports on the systems of the last frame that solved any, one for each translucent object.
     #[must_use]

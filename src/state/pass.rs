@@ -44,6 +44,8 @@ pub struct Dispatch {
     pub at: Scope,
     /// Invocations; none where the device determines the number itself.
     pub invocations: Option<usize>,
+    /// The buffer that counts its groups where the device does.
+    pub counted: Option<BufferId>,
 }
 
 /// A part of a buffer that a dispatch binds.
@@ -77,6 +79,13 @@ impl Dispatch {
             writes: access.writes,
         };
         Ok(known.map(bound).collect())
+    }
+
+    /// The buffers that it binds or that count its groups, and whether it reads and writes them.
+    #[cfg(feature = "measure")]
+    pub(crate) fn uses(&self, state: &State) -> Result<Vec<(BufferId, bool, bool)>> {
+        let bound = self.bound(state)?.into_iter().map(|bound| (bound.slot, bound.reads, bound.writes));
+        Ok(bound.chain(self.counted.map(|slot| (slot, true, false))).collect())
     }
 }
 
@@ -114,14 +123,14 @@ pub fn dispatches(state: &State, steps: &[Step], width: Width) -> Result<Vec<Dis
     let mut found = Vec::new();
     for step in steps {
         requested(state, *step, width, &mut |call| {
-            let invocations = match call.groups {
+            let (invocations, counted) = match call.groups {
                 Groups::Invocations(0) | Groups::Whole(0) => return Ok(()),
-                Groups::Invocations(count) => Some(count),
-                Groups::Whole(count) => Some(count * GROUP_SIZE as usize),
-                Groups::Counted { .. } => None,
+                Groups::Invocations(count) => (Some(count), None),
+                Groups::Whole(count) => (Some(count * GROUP_SIZE as usize), None),
+                Groups::Counted { slot, .. } => (None, Some(slot)),
             };
             let (stage, kernel, constants) = (step.stage.name, call.kernel.to_string(), call.constants.to_vec());
-            found.push(Dispatch { stage, kernel, constants, at: call.at, invocations });
+            found.push(Dispatch { stage, kernel, constants, at: call.at, invocations, counted });
             Ok(())
         })?;
     }

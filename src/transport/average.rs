@@ -28,7 +28,9 @@ fn cpu(state: &mut State, _at: Scope) {
         .map(|v| {
             let round = &data.corners[data.corner_starts[v] as usize..data.corner_starts[v + 1] as usize];
             let area = |&face: &u32| f64::from(data.clusters[data.leaves[face as usize] as usize].area);
-            let sum: glam::DVec3 = round.iter().map(|f| area(f) * wide(data.radiosity[*f as usize])).sum();
+            // 0 times infinity is no number: a triangle without area has no part in the mean, however bright.
+            let faces = round.iter().filter(|face| area(face) > 0.0);
+            let sum: glam::DVec3 = faces.map(|f| area(f) * wide(data.radiosity[*f as usize])).sum();
             let whole: f64 = round.iter().map(area).sum();
             if whole > 0.0 { narrow(sum / whole) } else { [0.0; 3] }
         })

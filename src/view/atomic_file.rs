@@ -162,17 +162,28 @@ fn beside(path: &Path) -> Part {
     Part::new(path.with_file_name(format!(".{:016x}.{}-{number}.part", name.finish(), std::process::id())))
 }
 
-/// The argument of a file that grows where it is, also in a folder where no other can be made.
-const APPENDED: &str = "--history";
+/// How a file is written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Written {
+    /// Whole, in place of what was there.
+    Replaced,
+    /// Where it is, after what was there, also in a folder where no other file can be made.
+    Appended,
+}
 
 /// An error if one of these files could not be written, or is the same as another, before there is work to lose. Each
 /// path comes with the argument that names it.
 pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>) -> Result<()> {
+    ready_for(paths.into_iter().map(|(key, path)| (key, path, Written::Replaced)))
+}
+
+/// The same for files that are written in different ways.
+pub fn ready_for<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>, Written)>) -> Result<()> {
     let mut before: Vec<(&str, PathBuf)> = Vec::new();
-    for (key, path) in paths.into_iter().filter_map(|(key, path)| Some((key, path?))) {
+    for (key, path, how) in paths.into_iter().filter_map(|(key, path, how)| Some((key, path?, how))) {
         let Some(place) = target(path).map_err(|what| unwritten(path, &what))? else { continue };
         let part = beside(&place);
-        let written = match key == APPENDED && place.is_file() {
+        let written = match how == Written::Appended && place.is_file() {
             true => std::fs::OpenOptions::new().append(true).open(&place).map(drop),
             false => std::fs::write(part.path(), ""),
         };
@@ -296,6 +307,25 @@ mod tests {
             assert!(refused.unwrap_err().to_string().contains("a.obj: could not be written: it was read to make this"));
         }
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "one\ntwo\n");
+    }
+
+    /// In a folder where only root may make files.
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_grows_needs_no_other_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.jsonl");
+        std::fs::write(&path, "one\n").unwrap();
+        let mode = |mode: u32| {
+            use std::os::unix::fs::PermissionsExt as _;
+            std::fs::set_permissions(folder.path(), std::fs::Permissions::from_mode(mode)).unwrap();
+        };
+        mode(0o555);
+        let beside = std::fs::write(folder.path().join("b"), "").is_ok();
+        let found = [Written::Appended, Written::Replaced].map(|how| ready_for([("-o", Some(&path), how)]).is_ok());
+        mode(0o755);
+        assert_eq!(found, [true, beside]);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "one\n");
     }
 
     #[test]

@@ -11,6 +11,8 @@ use milkglass::internals::shading::balls::{ANGLES, angle};
 use milkglass::internals::shading::{cdrf_values, smooth_curvature};
 use milkglass::internals::state::{Scope, State};
 use milkglass::internals::view::aov::{Layer, Samples};
+use milkglass::measure::fixtures::Fixture;
+use milkglass::measure::interpret::stage::Interpreter;
 use milkglass::scene::Scene;
 use std::f64::consts::PI;
 
@@ -32,6 +34,33 @@ fn corners(data: &Buffers, face: usize) -> [DVec3; 3] {
 
 /// A coloured light, so that no channel passes for another.
 const RED: &str = "light=[{ type = 'directional', direction = [1, 2, 3], irradiance = [3, 1, 0.4] }]";
+
+/// The kernel takes four faces at once, and a ball's vertices have five or six.
+#[test]
+fn infinite_radiosity_makes_no_nan_at_vertices() {
+    let scene = Scene::load_with("sphere", &["object.0.detail=1".into(), "camera.size=[24, 20]".into()]).unwrap();
+    let Fixture { mut state, steps, .. } = Fixture::of_scene("ball", &scene).unwrap();
+    let at = steps.iter().position(|step| step.stage.name == "average").unwrap();
+    steps[..at].iter().for_each(|step| step.reference(&mut state));
+    let bright = state.data.corners[state.data.corner_starts[1] as usize - 1] as usize;
+    state.data.radiosity[bright][0] = f32::INFINITY;
+    let leaf = state.data.leaves[bright] as usize;
+    for area in [state.data.clusters[leaf].area, 0.0] {
+        state.data.clusters[leaf].area = area;
+        let [mut reference, mut kernel] = [state.clone(), state.clone()];
+        steps[at].reference(&mut reference);
+        Interpreter::default().run(&state, steps[at], false).unwrap().write(&mut kernel);
+        for found in [reference, kernel] {
+            let infinite = |vertex: usize| area > 0.0 && state.data.triangles[bright].contains(&(vertex as u32));
+            for (vertex, mean) in found.data.vertex_radiosity.iter().enumerate() {
+                let [red, rest @ ..] = *mean;
+                assert!(rest.iter().all(|value| value.is_finite()), "{vertex}: {mean:?}");
+                assert_eq!(red == f32::INFINITY, infinite(vertex), "{vertex}: {mean:?}");
+                assert!(!red.is_nan(), "{vertex}: {mean:?}");
+            }
+        }
+    }
+}
 
 #[test]
 fn brute_force_is_the_sum_over_all_faces() {

@@ -41,11 +41,40 @@ fn a_profile_on_the_interpreter_counts_and_times_nothing() {
     let row = csv.lines().find(|row| row.contains("transport/blocks/push")).unwrap();
     // The scene, the kernel, a dispatch, a group of 64.
     assert!(row.starts_with("a,transport/blocks/push,1,64,"), "{csv}");
-    for (option, key) in [("--frames 3", "--frames"), ("--as h100", "--as"), ("--fail-slower 1%", "--fail-slower")] {
+    for (option, key) in [("--frames 3", "--frames"), ("--seed 1", "--seed"), ("--fail-slower 1%", "--fail-slower")] {
         bad(&here, &format!("profile a.toml --device interpreter {option}"), 2, &[key, "times nothing"]);
     }
     bad(&here, "profile a.toml --device interpreter --save r.json", 2, &["--json", "times nothing"]);
     bad(&here, "profile a.toml --device interpreter --device 0", 2, &["several --device", "times nothing"]);
+}
+
+#[test]
+fn the_interpreter_predicts_without_a_device() {
+    let here = folder(&[("a.toml", BALL)]);
+    let line = "profile a.toml --set object.0.detail=0 --device interpreter --as h100";
+    let (out, _) = good(&here, &format!("{line} --by kernel --csv c.csv"));
+    for words in ["NVIDIA H100 SXM: predicted", "counted on the interpreter, 128 invocations", "submissions: 1, 20 us"]
+    {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    // A dispatch, a barrier before it, and the widest group.
+    assert!(crate::shell::read(&here, "c.csv").contains(",transport/blocks/link/scan,1,1,1024,"), "{out}");
+    bad(&here, &format!("{line} --transport walk"), 2, &["--as", "found walk", "another --transport"]);
+    bad(&here, &format!("{line} --transport octree"), 2, &["--as", "found octree", "another --transport"]);
+    bad(&here, &line.replace("h100", "h200"), 2, &["--as: no such device", "found h200"]);
+    #[cfg(feature = "shaderc")]
+    {
+        let (source, _) = good(&here, "shader transport/blocks/push");
+        let own = source.replacen("void main()", "void once()", 1) + "void main() { once(); once(); }\n";
+        std::fs::write(here.path().join("own.comp"), own).unwrap();
+        let (out, _) = good(&here, &format!("{line} --by kernel --replace transport/blocks/push=own.comp"));
+        let told = out.lines().find(|line| line.starts_with("with the built-in kernels: ")).unwrap();
+        assert!(told.contains("us; transport/blocks/push ") && !told.contains(','), "{out}");
+        let (source, _) = good(&here, "shader transport/diffusion/deposit");
+        std::fs::write(here.path().join("deposit.comp"), source).unwrap();
+        let unused = format!("{line} --replace transport/diffusion/deposit=deposit.comp");
+        bad(&here, &unused, 2, &["--replace", "does not run this kernel"]);
+    }
 }
 
 #[test]

@@ -90,7 +90,9 @@ fn bits_are_the_same_at_every_width() {
 fn bits_are_the_same_at_every_width_where_sums_take_products() {
     for fixture in [coarse(), fixture("diffusion in a ball").unwrap()] {
         let at = |contracts: bool| {
-            let with = |lanes: u32| Interpreter::with(Settings { lanes, contracts, ..Settings::default() }, Vec::new());
+            let with = |lanes: u32| {
+                Interpreter::with(Settings { lanes, wide: lanes, contracts, ..Settings::default() }, Vec::new())
+            };
             [1, 32, 128].map(with)
         };
         let (both, mut state, mut changed) = ([false, true].map(at), fixture.state.clone(), Vec::new());

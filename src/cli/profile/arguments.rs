@@ -13,6 +13,7 @@ use crate::cli::timing::{MOST, TimingArguments};
 use crate::cli::validation;
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::{Choices, Device, Timed};
+use milkglass::internals::view::atomic_file::Written;
 use milkglass::measure::profile::Settings;
 use milkglass::measure::profile::file::{SCHEMA, Saved, Subject};
 use milkglass::measure::rounds::{IN_TURN, ROUNDS, Samples};
@@ -125,7 +126,7 @@ impl Arguments {
             true => ROUNDS as u32,
             false => FRAMES,
         };
-        let TimingArguments { until, seed, .. } = self.timing;
+        let until = self.timing.until;
         let frames = self.timing.frames.unwrap_or(if until.is_some() { MOST } else { usual });
         let budget = self.timing.budget.or(until.map(|_| 60.0));
         Settings {
@@ -134,7 +135,7 @@ impl Arguments {
             frames: frames as usize,
             enough: budget.unwrap_or(f64::INFINITY),
             until,
-            seed,
+            seed: self.timing.seed(),
             traces: false,
         }
     }
@@ -148,14 +149,14 @@ impl Arguments {
     }
 
     /// The files that are written, with their options.
-    pub(super) fn files(&self) -> [(&'static str, Option<&PathBuf>); 6] {
+    pub(super) fn files(&self) -> [(&'static str, Option<&PathBuf>, Written); 6] {
         [
-            ("--csv", self.csv.as_ref()),
-            ("--json", self.save.as_ref()),
-            ("--trace", self.trace.as_ref()),
-            ("--junit", self.gate.junit.as_ref()),
-            ("--roofline", self.roofline.as_ref()),
-            ("--history", self.history.as_ref()),
+            ("--csv", self.csv.as_ref(), Written::Replaced),
+            ("--json", self.save.as_ref(), Written::Replaced),
+            ("--trace", self.trace.as_ref(), Written::Replaced),
+            ("--junit", self.gate.junit.as_ref(), Written::Replaced),
+            ("--roofline", self.roofline.as_ref(), Written::Replaced),
+            ("--history", self.history.as_ref(), Written::Appended),
         ]
     }
 
@@ -181,8 +182,8 @@ impl Arguments {
             let fault = refused("--replace", "kernels are compared by stage").found(self.by.option());
             return Err(fault.expected("--as MODEL, or stages").into());
         }
-        let written = self.files().into_iter().find(|(key, file)| *key != "--junit" && file.is_some());
-        let idle = written.map(|(key, _)| key).or((!self.scene.scene.is_empty()).then_some("SCENE"));
+        let written = self.files().into_iter().find(|(key, file, _)| *key != "--junit" && file.is_some());
+        let idle = written.map(|(key, ..)| key).or((!self.scene.scene.is_empty()).then_some("SCENE"));
         if let (Some(key), 2) = (idle, self.compare.len()) {
             let fault = refused(key, "nothing is measured").found("two files of --compare");
             return Err(fault.expected("one of them and a scene").into());
@@ -198,17 +199,17 @@ impl Arguments {
 
     /// Fails if something is asked for that has to be timed.
     pub(super) fn counts_only(&self) -> Result<()> {
-        let files = self.files().into_iter().map(|(key, file)| (key, file.is_some() && key != "--csv"));
+        let files = self.files().into_iter().map(|(key, file, _)| (key, file.is_some() && key != "--csv"));
         let asked = [
             ("several --device", self.device.len() > 1),
             ("--frames", self.timing.frames.is_some()),
             ("--until", self.timing.until.is_some()),
             ("--budget", self.timing.budget.is_some()),
+            ("--seed", self.timing.seed.is_some()),
             ("--alternate", self.alternate.is_some()),
             ("--compare", !self.compare.is_empty()),
             ("--against", self.against.is_some()),
             ("--why", self.why),
-            ("--as", self.model.is_some()),
             ("--serve", self.serve),
         ];
         let gate = self.gate.idle(false, false);

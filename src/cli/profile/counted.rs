@@ -1,25 +1,28 @@
 //! What kernels do in a frame, counted by the interpreter, without a device, as a table.
 
 use super::text::millions;
-use super::{Arguments, print, ready, write};
+use super::{Arguments, predicted, print, ready_for, write};
 use crate::cli::size;
 use milkglass::error::{Error, Result};
 use milkglass::measure::interpret::stage::{Interpreter, LANES, SUBGROUP, Settings};
-use milkglass::measure::profile::{Counts, counts_csv, interpreted};
+use milkglass::measure::profile::{Counts, Model, counts_csv, interpreted};
 use milkglass::measure::table::Table;
 
 /// Counts, prints, and writes the file of `--csv`.
 pub(super) fn run(arguments: &Arguments) -> Result<()> {
     arguments.counts_only()?;
-    ready(arguments.files())?;
+    ready_for(arguments.files())?;
     let scene = arguments.scene()?.load()?;
-    let settings = Settings { counts: true, ..Settings::default() };
-    let interpreter = Interpreter::with(settings, arguments.replace.load()?);
-    let found = interpreted(&scene, &interpreter, &arguments.settings(), arguments.timed())?;
-    let run = found.iter().flat_map(|row| &row.kernels).cloned().collect();
-    if let Some(fault) = arguments.replace.unused(&run, &scene.name) {
-        return Err(fault.into());
+    let on = |kernels| Interpreter::with(Settings::counting(), kernels);
+    let interpreter = on(arguments.replace.load()?);
+    let unused =
+        || arguments.replace.unused(&interpreter.asked(), &scene.name).map_or(Ok(()), |fault| Err(fault.into()));
+    if let Some(model) = arguments.model.as_deref().map(Model::read).transpose()? {
+        let built_in = (!arguments.replace.pairs().is_empty()).then(|| on(Vec::new()));
+        return predicted::interpreted(arguments, &model, &scene, (&interpreter, built_in.as_ref()), unused);
     }
+    let found = interpreted(&scene, &interpreter, &arguments.settings(), arguments.timed())?;
+    unused()?;
     if found.is_empty() {
         return Err(Error::Check("nothing was counted: the frame runs no kernel".into()));
     }

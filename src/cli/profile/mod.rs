@@ -27,7 +27,7 @@ use super::{check_messages, now, print, write};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
-use milkglass::internals::view::atomic_file::ready;
+use milkglass::internals::view::atomic_file::ready_for;
 use milkglass::measure::interpreted::is_asked;
 use milkglass::measure::profile::file::{Saved, Subject, read};
 use milkglass::measure::profile::history::{self, Entry};
@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return counted::run(arguments);
     }
     arguments.check()?;
-    ready(arguments.files())?;
+    ready_for(arguments.files())?;
     let model = arguments.model.as_deref().map(Model::read).transpose()?;
     arguments.history.iter().try_for_each(|path| history::ready(path))?;
     if let [first, second] = arguments.compare.as_slice() {

@@ -3,7 +3,8 @@
 use super::{Arguments, check_messages, print, write};
 use milkglass::error::Result;
 use milkglass::internals::gpu::Device;
-use milkglass::measure::profile::{Model, Predicted, Prediction, Settings, predict};
+use milkglass::measure::interpret::stage::Interpreter;
+use milkglass::measure::profile::{Model, Predicted, Prediction, Settings, predict, predict_interpreted};
 use milkglass::measure::table::Table;
 use milkglass::scene::Scene;
 
@@ -20,8 +21,28 @@ pub(super) fn run(
     let found = predict(scene, device, settings, model)?;
     let before = own.map(|_| predict(scene, built_in, settings, model)).transpose()?;
     check_messages(Some(device))?;
-    print(&text(&found, before.as_ref()))?;
-    arguments.csv.iter().try_for_each(|path| write(path, sheet(&found).csv()?))
+    told(arguments, &found, before.as_ref())
+}
+
+/// The same on the interpreter, and on that of the built-in kernels if there is one; `check` says whether the first one
+/// has run what it should.
+pub(super) fn interpreted(
+    arguments: &Arguments,
+    model: &Model,
+    scene: &Scene,
+    (interpreter, built_in): (&Interpreter, Option<&Interpreter>),
+    check: impl Fn() -> Result<()>,
+) -> Result<()> {
+    let settings = arguments.settings();
+    let predict = |on: &Interpreter| predict_interpreted(scene, on, (&settings, arguments.timed()), model);
+    let found = predict(interpreter)?;
+    check()?;
+    told(arguments, &found, built_in.map(predict).transpose()?.as_ref())
+}
+
+fn told(arguments: &Arguments, found: &Prediction, before: Option<&Prediction>) -> Result<()> {
+    print(&text(found, before))?;
+    arguments.csv.iter().try_for_each(|path| write(path, sheet(found).csv()?))
 }
 
 fn text(found: &Prediction, before: Option<&Prediction>) -> String {

@@ -100,14 +100,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 impl Arguments {
     fn settings(&self) -> Settings {
-        let TimingArguments { frames, until, budget, seed, .. } = self.timing;
+        let TimingArguments { frames, until, budget, .. } = self.timing;
         Settings {
             options: self.option_args.options(),
             change: self.timing.change(),
             frames: frames.unwrap_or(if until.is_some() { MOST } else { ROUNDS as u32 }) as usize,
             enough: budget.unwrap_or(BUDGET),
             until,
-            seed,
+            seed: self.timing.seed(),
             traces: false,
         }
     }
@@ -136,7 +136,7 @@ impl Arguments {
             "scene": self.scene.scene,
             "sets": self.option_args.of(&self.scene.sets),
             "frame": self.scene.frame,
-            "seed": self.timing.seed,
+            "seed": self.timing.seed(),
             "change": self.timing.change_name(),
             "device": device.name(),
             "driver": device.driver(),

@@ -3,7 +3,7 @@
 
 use spirq::spirv::{Capability, ExecutionMode, GLOp, Op};
 
-use crate::gpu::spirv_module::Instruction;
+use crate::gpu::spirv_module::{Instruction, text};
 
 /// Something that a module has.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -64,10 +64,7 @@ impl Code {
         match (instruction.op?, instruction.operands) {
             (Op::Capability, [number, ..]) => Some(Self::Capability(*number)),
             (Op::ExecutionMode | Op::ExecutionModeId, [_, number, ..]) => Some(Self::Mode(*number)),
-            (Op::Extension, words) => {
-                let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|b| *b != 0).collect();
-                Some(Self::Extension(String::from_utf8_lossy(&bytes).into_owned()))
-            }
+            (Op::Extension, words) => Some(Self::Extension(text(words))),
             _ => None,
         }
     }

@@ -1,4 +1,4 @@
-//! A buffer of counters in a copy of a SPIR-V module, and the instructions that increment them.
+//! Adds counters to a copy of a SPIR-V module: the buffer that holds them, and the instructions that increment them.
 
 use spirq::spirv::{Capability, Decoration, MemorySemantics, Op, Scope, StorageClass};
 
@@ -17,19 +17,19 @@ pub(super) struct Counters {
     word_pointer: u32,
     /// The buffer.
     variable: u32,
-    /// The constant 0; `zero + n` is the constant n, up to the largest that was asked for.
+    /// The constant 0; the id `zero + n` is the constant n, up to the largest that was declared.
     zero: u32,
-    /// The variables of an invocation that hold what it has done so far, in the order of [`Chain`](super::Chain), what
-    /// its subgroup has issued where it was elected, and whether it was where the kernel begins.
+    /// Private variables of an invocation: its longest chain so far, in the order of [`Chain`](super::Chain); how many
+    /// instructions its subgroup issued while it was elected; and 1 if it was elected in the first block.
     own: [u32; CHAIN + 2],
-    /// Whether the module may have [`Op::GroupNonUniformElect`]: from version 1.3 on.
+    /// Whether the version allows [`Op::GroupNonUniformElect`]: from 1.3 on.
     elects: bool,
-    /// Whether the entry point lists all variables that it uses: from version 1.4 on. Before, it lists inputs only.
+    /// Whether the entry point lists all variables that it uses, as from version 1.4 on; before, it lists inputs only.
     listed: bool,
 }
 
 impl Counters {
-    /// Adds the buffer to a module, and the constants up to `most`; to be called before anything else is written.
+    /// Declares the buffer and the constants 0 to `most`. It comes before anything else is written.
     pub(super) fn declare(out: &mut Edited, module: &Declared<'_>, most: u32, counts_subgroups: bool) -> Self {
         let (class, block) = match out.version() {
             0x10300.. => (StorageClass::StorageBuffer, Decoration::Block),
@@ -70,14 +70,14 @@ impl Counters {
         own.iter().for_each(|id| out.declare(Op::Variable, &[own_pointer, *id, private, zero]));
         let (version, subgroups) = (out.version(), Capability::GroupNonUniform as u32);
         let elects = version >= 0x10300;
-        // Nothing of the module is written yet: capabilities come first.
+        // Capabilities come first in a module, of which nothing is written yet.
         if elects && counts_subgroups && !module.capabilities.contains(&subgroups) {
             out.put(Op::Capability, &[subgroups]);
         }
         Self { uint, boolean, word_pointer, variable, zero, own, elects, listed: version >= 0x10400 }
     }
 
-    /// Copies an instruction; the entry point lists the variables that it uses.
+    /// Copies an instruction; an entry point that lists its variables lists these, too.
     pub(super) fn keep(self, out: &mut Edited, instruction: Instruction<'_>) {
         match instruction.op {
             Some(Op::EntryPoint) if self.listed => {
@@ -87,7 +87,7 @@ impl Counters {
         }
     }
 
-    /// Adds these numbers to what the invocation has done so far.
+    /// Adds these numbers to the invocation's chain.
     pub(super) fn add(self, out: &mut Edited, numbers: [u32; CHAIN]) {
         for (own, number) in self.own.into_iter().zip(numbers).filter(|(_, number)| *number > 0) {
             let [before, after] = std::array::from_fn(|_| out.id());
@@ -97,8 +97,8 @@ impl Counters {
         }
     }
 
-    /// Adds a block's instructions to what the subgroup has issued, by the invocation that it elects; `begins`: of the
-    /// kernel's first block.
+    /// Counts a block's instructions once for each subgroup: its elected invocation adds them. Where the kernel
+    /// `begins`, it counts the subgroup, too.
     pub(super) fn issue(self, out: &mut Edited, instructions: u32, begins: bool) {
         let Self { uint, boolean, zero, own, .. } = self;
         if !self.elects {
@@ -116,8 +116,8 @@ impl Counters {
         }
     }
 
-    /// The invocation ends: the words from this one on become what it has done, if that is more; those after them hold
-    /// the sums of what subgroups issued and of their number.
+    /// Stores what an invocation has counted, where it ends: raises the words from `first` on to its chain where that
+    /// is longer, and adds to the sums behind them, of instructions that subgroups issued and of subgroups.
     pub(super) fn end(self, out: &mut Edited, first: u32) {
         let Self { uint, word_pointer, variable, zero, own, .. } = self;
         let (scope, semantics) = (zero + Scope::Device as u32, zero + MemorySemantics::RELAXED.bits());
@@ -134,12 +134,12 @@ impl Counters {
         }
     }
 
-    /// A block runs: adds one to its counter.
+    /// Increments the counter of a block, where the block runs.
     pub(super) fn count(self, out: &mut Edited, counter: u32) {
         self.increase(out, 2 * counter, self.zero + 1);
     }
 
-    /// Adds to a number of 64 bits: to its lower word, and one to its upper one where the lower one overflows.
+    /// Adds to a number of 64 bits: to its lower word, and the carry to its upper one.
     fn increase(self, out: &mut Edited, word: u32, by: u32) {
         let Self { uint, boolean, word_pointer, variable, zero, .. } = self;
         let (scope, semantics) = (zero + Scope::Device as u32, zero + MemorySemantics::RELAXED.bits());
@@ -153,7 +153,7 @@ impl Counters {
         out.put(Op::AtomicIAdd, &[uint, upper, high, scope, semantics, carry]);
     }
 
-    /// Notes that this element is named: the number at `note` becomes at least one more.
+    /// Records that this element is accessed: raises the number at `note` to one more than the element's.
     #[cfg(feature = "measure")]
     pub(super) fn note(self, out: &mut Edited, note: u32, element: u32, unsigned: bool) {
         let Self { uint, word_pointer, variable, zero, .. } = self;

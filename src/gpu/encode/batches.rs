@@ -70,8 +70,8 @@ impl Batches {
         let mut found = vec![None; dispatches.len()];
         for queue in 0..2 {
             let on_queue: Vec<usize> = (0..dispatches.len()).filter(|at| queue_of[*at] == queue).collect();
-            let list: Vec<&Listed> = on_queue.iter().map(|at| dispatches[*at]).collect();
-            for (at, wait) in on_queue.iter().zip(waits(&list, barriers)) {
+            let list = on_queue.iter().map(|at| uses(dispatches[*at]));
+            for (at, wait) in on_queue.iter().zip(waits(list, barriers)) {
                 found[*at] = wait.map(|wait| Wait { after: on_queue[wait.after], ..wait });
             }
         }

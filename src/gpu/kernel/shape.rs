@@ -1,4 +1,4 @@
-//! How a kernel's groups are where the device sets that: how large, and how many invocations share an item.
+//! The shape of a kernel's groups where the device decides it: their size, and how many invocations share an item.
 
 use super::Kernel;
 #[cfg(feature = "measure")]
@@ -11,19 +11,19 @@ use crate::layout::{
     BLOCK_RECEIVERS, CLIMBS_ID, COUNTED_ID, GROUP_ID, GROUP_SIZE, LANES_ID, MOST_LANES, MOST_WIDE, TEAMS_ID, WIDE_ID,
 };
 
-/// Groups of a kernel.
+/// The shape of a kernel's groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in super::super) struct Shape {
-    /// Invocations of a group, where they are set.
+    /// Invocations of a group, if the device sets them.
     pub(in super::super) group: Option<u32>,
-    /// Whether `COUNTED_ID` sets the size of its groups.
+    /// Whether the size goes to `COUNTED_ID`: another kernel counts the groups.
     pub(in super::super) counted: bool,
-    /// The constant that tells the kernel how invocations share items, and how many have one item.
+    /// The constant that tells the kernel how many invocations share an item, and their number.
     shared: Option<(u32, u32)>,
 }
 
 impl Shape {
-    /// The shape of this kernel on a device. Where a size is chosen for its groups, no item is shared.
+    /// The shape of this kernel on a device. A group size that was chosen for the kernel turns sharing off.
     pub(in super::super) fn of(device: &LogicalDevice, name: &str, found: &Reflected) -> Self {
         match device.choices().group(name).filter(|_| found.constants.contains_key(&GROUP_ID)) {
             Some(size) => Self { group: Some(size), ..Self::default() },
@@ -34,8 +34,8 @@ impl Shape {
         }
     }
 
-    /// The shape where as many invocations share an item, if the kernel lets them; a user's may not. Groups that
-    /// another kernel counts have at least their usual size.
+    /// The shape with `lanes` invocations for each item, or one where the kernel has no constant for it, as a user's
+    /// may not. Groups that another kernel counts have at least their usual size.
     pub(in super::super) fn with_lanes(lanes: u32, found: &Reflected) -> Self {
         let has = |id: u32| found.constants.contains_key(&id);
         let teams = |group: u32| Some((group, (TEAMS_ID, group / BLOCK_RECEIVERS as u32)));
@@ -51,12 +51,12 @@ impl Shape {
         Self { group: shared.map(|(group, _)| group), shared: shared.map(|(_, constant)| constant), counted }
     }
 
-    /// Invocations of a group where the device's width shapes the kernel, else 1.
+    /// Invocations of a group if items are shared, else 1.
     pub(in super::super) fn lanes(&self) -> u32 {
         self.shared.and(self.group).unwrap_or(1)
     }
 
-    /// How many invocations an item has, or one of a block's receivers.
+    /// Invocations that share an item, or a receiver of a block.
     pub(in super::super) fn an_item(&self) -> u32 {
         self.shared.map_or(1, |(_, count)| count)
     }
@@ -68,7 +68,7 @@ impl Shape {
     }
 }
 
-/// At most so many invocations share an item of this kernel. A block has some 150 distant emitters, so that more
+/// The most invocations that share an item of this kernel. A block has some 150 distant emitters, so that more
 /// than 32 invocations seldom have a run each: 48 us with 128, 35 with 32 (H200, a bunny of 69,451 faces). The
 /// bisection of a table's entry takes 5 steps at once with 32, and 7 with 128, which is four times the work.
 pub(crate) fn most_lanes(name: &str) -> u32 {
@@ -76,7 +76,7 @@ pub(crate) fn most_lanes(name: &str) -> u32 {
 }
 
 impl Kernel {
-    /// The kernel of this SPIR-V where so many invocations share an item, whatever the device is.
+    /// The kernel of this SPIR-V with `lanes` invocations for each item, whatever this device would choose.
     #[cfg(feature = "measure")]
     pub(crate) fn with_lanes(
         device: &LogicalDevice,
@@ -86,7 +86,7 @@ impl Kernel {
         lanes: u32,
     ) -> Result<Self> {
         let found = reflect(name, &words)?;
-        // The bits of a kernel with one group do not depend on its width: another device's may be too wide.
+        // A kernel of one group has the same bits at any width; this device may not have groups as wide as another's.
         let wide = found.constants.contains_key(&WIDE_ID) && lanes > 1;
         let shape = Shape::with_lanes(if wide { lanes.min(device.most_in_group()) } else { lanes }, &found);
         let shuffles = has_subgroups(&words);
@@ -99,8 +99,8 @@ impl Kernel {
     }
 }
 
-/// The specialization constants from `GROUP_ID` on of this SPIR-V where so many invocations share an item, with their
-/// ids.
+/// The specialization constants that a device sets, from `GROUP_ID` on, with `lanes` invocations for each item: ids and
+/// values.
 pub fn set_by_device(name: &str, words: &[u32], lanes: u32) -> Vec<(u32, u32)> {
     reflect(name, words).map_or_else(|_| Vec::new(), |found| Shape::with_lanes(lanes, &found).constants().collect())
 }
@@ -114,13 +114,13 @@ impl LogicalDevice {
         self.choices().lanes.unwrap_or(default).min(adapter.limits.group_invocations).min(MOST_LANES)
     }
 
-    /// How many invocations a group has that goes through all elements alone, where items are shared; else 1, which
-    /// stands for as many as the kernel says.
+    /// The size of a group that works through all elements alone: the largest where items are shared; 1 leaves it to
+    /// the kernel.
     fn widest(&self) -> u32 {
         if self.lanes() > 1 { self.most_in_group() } else { 1 }
     }
 
-    /// The most invocations of such a group: a power of two.
+    /// The largest size of such a group: a power of two.
     fn most_in_group(&self) -> u32 {
         1 << self.adapter().limits.group_invocations.clamp(1, MOST_WIDE).ilog2()
     }

@@ -4,7 +4,8 @@
 
 use spirq::spirv::{GLOp, Op};
 
-use super::code::{One, Three, Two};
+use super::code::Function::{self, One, Three, Two};
+use super::code::OfTwo;
 
 /// The float of these bits.
 pub(super) fn f(bits: u32) -> f32 {
@@ -24,101 +25,87 @@ fn rounded(value: f64) -> u32 {
     (value as f32).to_bits()
 }
 
-/// An operation of one number, applied to each component.
-pub(super) fn one(op: Op) -> Option<One> {
+/// An operation, applied to each component. Integers divided by 0 are all ones.
+pub(super) fn operation(op: Op) -> Option<Function> {
     Some(match op {
-        Op::FNegate => |a| (-f(a)).to_bits(),
-        Op::SNegate => u32::wrapping_neg,
-        Op::Not => |a| !a,
-        Op::LogicalNot => |a| u32::from(a == 0),
-        Op::ConvertFToS => |a| f(a) as i32 as u32,
-        Op::ConvertFToU => |a| f(a) as u32,
-        Op::ConvertSToF => |a| (i(a) as f32).to_bits(),
-        Op::ConvertUToF => |a| (a as f32).to_bits(),
-        Op::IsNan => |a| f(a).is_nan().into(),
-        Op::IsInf => |a| f(a).is_infinite().into(),
-        Op::BitCount => u32::count_ones,
-        Op::BitReverse => u32::reverse_bits,
-        _ => return None,
-    })
-}
-
-/// An operation of two numbers, applied to each pair of components. Integers divided by 0 are all ones.
-pub(super) fn two(op: Op) -> Option<Two> {
-    Some(match op {
-        Op::IAdd => u32::wrapping_add,
-        Op::ISub => u32::wrapping_sub,
-        Op::IMul => u32::wrapping_mul,
-        Op::UDiv => |a, b| a.checked_div(b).unwrap_or(u32::MAX),
-        Op::SDiv => |a, b| if b == 0 { u32::MAX } else { i(a).wrapping_div(i(b)) as u32 },
-        Op::UMod => |a, b| a.checked_rem(b).unwrap_or(u32::MAX),
-        Op::SRem => |a, b| if b == 0 { u32::MAX } else { i(a).wrapping_rem(i(b)) as u32 },
-        Op::SMod => |a, b| if b == 0 { u32::MAX } else { modulo(i(a), i(b)) as u32 },
-        Op::FAdd => |a, b| (f(a) + f(b)).to_bits(),
-        Op::FSub => |a, b| (f(a) - f(b)).to_bits(),
-        Op::FMul => |a, b| (f(a) * f(b)).to_bits(),
-        Op::FDiv => |a, b| (f(a) / f(b)).to_bits(),
-        Op::FRem => |a, b| (f(a) % f(b)).to_bits(),
-        Op::FMod => |a, b| (f(a) - f(b) * (f(a) / f(b)).floor()).to_bits(),
-        Op::ShiftRightLogical => |a, b| a.checked_shr(b).unwrap_or(0),
-        Op::ShiftRightArithmetic => |a, b| (i(a) >> b.min(31)) as u32,
-        Op::ShiftLeftLogical => |a, b| a.checked_shl(b).unwrap_or(0),
-        Op::BitwiseOr => |a, b| a | b,
-        Op::BitwiseXor => |a, b| a ^ b,
-        Op::BitwiseAnd => |a, b| a & b,
+        Op::FNegate => One(|a| (-f(a)).to_bits()),
+        Op::SNegate => One(u32::wrapping_neg),
+        Op::Not => One(|a| !a),
+        Op::LogicalNot => One(|a| u32::from(a == 0)),
+        Op::ConvertFToS => One(|a| f(a) as i32 as u32),
+        Op::ConvertFToU => One(|a| f(a) as u32),
+        Op::ConvertSToF => One(|a| (i(a) as f32).to_bits()),
+        Op::ConvertUToF => One(|a| (a as f32).to_bits()),
+        Op::IsNan => One(|a| f(a).is_nan().into()),
+        Op::IsInf => One(|a| f(a).is_infinite().into()),
+        Op::BitCount => One(u32::count_ones),
+        Op::BitReverse => One(u32::reverse_bits),
+        Op::IAdd => Two(u32::wrapping_add),
+        Op::ISub => Two(u32::wrapping_sub),
+        Op::IMul => Two(u32::wrapping_mul),
+        Op::UDiv => Two(|a, b| a.checked_div(b).unwrap_or(u32::MAX)),
+        Op::SDiv => Two(|a, b| if b == 0 { u32::MAX } else { i(a).wrapping_div(i(b)) as u32 }),
+        Op::UMod => Two(|a, b| a.checked_rem(b).unwrap_or(u32::MAX)),
+        Op::SRem => Two(|a, b| if b == 0 { u32::MAX } else { i(a).wrapping_rem(i(b)) as u32 }),
+        Op::SMod => Two(|a, b| if b == 0 { u32::MAX } else { modulo(i(a), i(b)) as u32 }),
+        Op::FAdd => Two(|a, b| (f(a) + f(b)).to_bits()),
+        Op::FSub => Two(|a, b| (f(a) - f(b)).to_bits()),
+        Op::FMul => Two(|a, b| (f(a) * f(b)).to_bits()),
+        Op::FDiv => Two(|a, b| (f(a) / f(b)).to_bits()),
+        Op::FRem => Two(|a, b| (f(a) % f(b)).to_bits()),
+        Op::FMod => Two(|a, b| (f(a) - f(b) * (f(a) / f(b)).floor()).to_bits()),
+        Op::ShiftRightLogical => Two(|a, b| a.checked_shr(b).unwrap_or(0)),
+        Op::ShiftRightArithmetic => Two(|a, b| (i(a) >> b.min(31)) as u32),
+        Op::ShiftLeftLogical => Two(|a, b| a.checked_shl(b).unwrap_or(0)),
+        Op::BitwiseOr => Two(|a, b| a | b),
+        Op::BitwiseXor => Two(|a, b| a ^ b),
+        Op::BitwiseAnd => Two(|a, b| a & b),
+        // The field's value, its first bit, its length.
+        Op::BitFieldUExtract => Three(|a, first, count| shifted_down(a, first) & ones(count)),
+        Op::BitFieldSExtract => Three(|a, first, count| {
+            let field = shifted_down(a, first) & ones(count);
+            let sign = count > 0 && field.checked_shr(count.wrapping_sub(1)).unwrap_or(0) & 1 == 1;
+            if sign { field | !ones(count) } else { field }
+        }),
         _ => return compared(op),
     })
 }
 
 /// A comparison or an operation of logic.
-fn compared(op: Op) -> Option<Two> {
+fn compared(op: Op) -> Option<Function> {
     Some(match op {
-        Op::LogicalOr => |a, b| u32::from(a != 0 || b != 0),
-        Op::LogicalAnd => |a, b| u32::from(a != 0 && b != 0),
-        Op::LogicalEqual => |a, b| u32::from((a != 0) == (b != 0)),
-        Op::LogicalNotEqual => |a, b| u32::from((a != 0) != (b != 0)),
-        Op::IEqual => |a, b| u32::from(a == b),
-        Op::INotEqual => |a, b| u32::from(a != b),
-        Op::UGreaterThan => |a, b| u32::from(a > b),
-        Op::UGreaterThanEqual => |a, b| u32::from(a >= b),
-        Op::ULessThan => |a, b| u32::from(a < b),
-        Op::ULessThanEqual => |a, b| u32::from(a <= b),
-        Op::SGreaterThan => |a, b| u32::from(i(a) > i(b)),
-        Op::SGreaterThanEqual => |a, b| u32::from(i(a) >= i(b)),
-        Op::SLessThan => |a, b| u32::from(i(a) < i(b)),
-        Op::SLessThanEqual => |a, b| u32::from(i(a) <= i(b)),
-        Op::FOrdEqual => |a, b| u32::from(f(a) == f(b)),
-        Op::FUnordEqual => |a, b| u32::from(f(a) == f(b) || unordered(a, b)),
-        Op::FOrdNotEqual => |a, b| u32::from(f(a) != f(b) && !unordered(a, b)),
-        Op::FUnordNotEqual => |a, b| u32::from(f(a) != f(b)),
-        Op::FOrdLessThan => |a, b| u32::from(f(a) < f(b)),
-        Op::FUnordLessThan => |a, b| u32::from(f(a) < f(b) || unordered(a, b)),
-        Op::FOrdGreaterThan => |a, b| u32::from(f(a) > f(b)),
-        Op::FUnordGreaterThan => |a, b| u32::from(f(a) > f(b) || unordered(a, b)),
-        Op::FOrdLessThanEqual => |a, b| u32::from(f(a) <= f(b)),
-        Op::FUnordLessThanEqual => |a, b| u32::from(f(a) <= f(b) || unordered(a, b)),
-        Op::FOrdGreaterThanEqual => |a, b| u32::from(f(a) >= f(b)),
-        Op::FUnordGreaterThanEqual => |a, b| u32::from(f(a) >= f(b) || unordered(a, b)),
-        _ => return None,
-    })
-}
-
-/// An operation of three numbers.
-pub(super) fn three(op: Op) -> Option<Three> {
-    Some(match op {
-        // The field's value, its first bit, its length.
-        Op::BitFieldUExtract => |a, first, count| shifted_down(a, first) & ones(count),
-        Op::BitFieldSExtract => |a, first, count| {
-            let field = shifted_down(a, first) & ones(count);
-            let sign = count > 0 && field.checked_shr(count.wrapping_sub(1)).unwrap_or(0) & 1 == 1;
-            if sign { field | !ones(count) } else { field }
-        },
+        Op::LogicalOr => Two(|a, b| u32::from(a != 0 || b != 0)),
+        Op::LogicalAnd => Two(|a, b| u32::from(a != 0 && b != 0)),
+        Op::LogicalEqual => Two(|a, b| u32::from((a != 0) == (b != 0))),
+        Op::LogicalNotEqual => Two(|a, b| u32::from((a != 0) != (b != 0))),
+        Op::IEqual => Two(|a, b| u32::from(a == b)),
+        Op::INotEqual => Two(|a, b| u32::from(a != b)),
+        Op::UGreaterThan => Two(|a, b| u32::from(a > b)),
+        Op::UGreaterThanEqual => Two(|a, b| u32::from(a >= b)),
+        Op::ULessThan => Two(|a, b| u32::from(a < b)),
+        Op::ULessThanEqual => Two(|a, b| u32::from(a <= b)),
+        Op::SGreaterThan => Two(|a, b| u32::from(i(a) > i(b))),
+        Op::SGreaterThanEqual => Two(|a, b| u32::from(i(a) >= i(b))),
+        Op::SLessThan => Two(|a, b| u32::from(i(a) < i(b))),
+        Op::SLessThanEqual => Two(|a, b| u32::from(i(a) <= i(b))),
+        Op::FOrdEqual => Two(|a, b| u32::from(f(a) == f(b))),
+        Op::FUnordEqual => Two(|a, b| u32::from(f(a) == f(b) || unordered(a, b))),
+        Op::FOrdNotEqual => Two(|a, b| u32::from(f(a) != f(b) && !unordered(a, b))),
+        Op::FUnordNotEqual => Two(|a, b| u32::from(f(a) != f(b))),
+        Op::FOrdLessThan => Two(|a, b| u32::from(f(a) < f(b))),
+        Op::FUnordLessThan => Two(|a, b| u32::from(f(a) < f(b) || unordered(a, b))),
+        Op::FOrdGreaterThan => Two(|a, b| u32::from(f(a) > f(b))),
+        Op::FUnordGreaterThan => Two(|a, b| u32::from(f(a) > f(b) || unordered(a, b))),
+        Op::FOrdLessThanEqual => Two(|a, b| u32::from(f(a) <= f(b))),
+        Op::FUnordLessThanEqual => Two(|a, b| u32::from(f(a) <= f(b) || unordered(a, b))),
+        Op::FOrdGreaterThanEqual => Two(|a, b| u32::from(f(a) >= f(b))),
+        Op::FUnordGreaterThanEqual => Two(|a, b| u32::from(f(a) >= f(b) || unordered(a, b))),
         _ => return None,
     })
 }
 
 /// Both words of a result that has two.
-pub(super) fn double(op: Op) -> Option<[Two; 2]> {
+pub(super) fn double(op: Op) -> Option<[OfTwo; 2]> {
     Some(match op {
         Op::IAddCarry => [u32::wrapping_add, |a, b| a.overflowing_add(b).1.into()],
         Op::ISubBorrow => [u32::wrapping_sub, |a, b| u32::from(a < b)],
@@ -129,7 +116,7 @@ pub(super) fn double(op: Op) -> Option<[Two; 2]> {
 }
 
 /// What an atomic operation makes of a word and its operand.
-pub(super) fn atomic(op: Op) -> Option<Two> {
+pub(super) fn atomic(op: Op) -> Option<OfTwo> {
     Some(match op {
         Op::AtomicExchange => |_, new| new,
         Op::AtomicIAdd | Op::AtomicIIncrement => u32::wrapping_add,
@@ -146,7 +133,7 @@ pub(super) fn atomic(op: Op) -> Option<Two> {
 }
 
 /// What a subgroup folds its values with, and what it begins with.
-pub(super) fn folded(op: Op) -> Option<(Two, u32)> {
+pub(super) fn folded(op: Op) -> Option<(OfTwo, u32)> {
     const ONE: u32 = 0x3f80_0000;
     Some(match op {
         Op::GroupNonUniformIAdd => (u32::wrapping_add, 0),
@@ -167,74 +154,67 @@ pub(super) fn folded(op: Op) -> Option<(Two, u32)> {
     })
 }
 
-/// A function of GLSL.std.450 of one number.
-pub(super) fn glsl_one(function: GLOp) -> Option<One> {
+/// A function of GLSL.std.450, applied to each component.
+pub(super) fn function(function: GLOp) -> Option<Function> {
     Some(match function {
-        GLOp::Round | GLOp::RoundEven => |a| f(a).round_ties_even().to_bits(),
-        GLOp::Trunc => |a| f(a).trunc().to_bits(),
-        GLOp::FAbs => |a| f(a).abs().to_bits(),
-        GLOp::SAbs => |a| i(a).wrapping_abs() as u32,
-        GLOp::FSign => |a| if f(a) == 0.0 || f(a).is_nan() { 0 } else { f(a).signum().to_bits() },
-        GLOp::SSign => |a| i(a).signum() as u32,
-        GLOp::Floor => |a| f(a).floor().to_bits(),
-        GLOp::Ceil => |a| f(a).ceil().to_bits(),
-        GLOp::Fract => |a| (f(a) - f(a).floor()).to_bits(),
-        GLOp::Radians => |a| rounded(wide(a).to_radians()),
-        GLOp::Degrees => |a| rounded(wide(a).to_degrees()),
-        GLOp::Sin => |a| rounded(wide(a).sin()),
-        GLOp::Cos => |a| rounded(wide(a).cos()),
-        GLOp::Tan => |a| rounded(wide(a).tan()),
-        GLOp::Asin => |a| rounded(wide(a).asin()),
-        GLOp::Acos => |a| rounded(wide(a).acos()),
-        GLOp::Atan => |a| rounded(wide(a).atan()),
-        GLOp::Sinh => |a| rounded(wide(a).sinh()),
-        GLOp::Cosh => |a| rounded(wide(a).cosh()),
-        GLOp::Tanh => |a| rounded(wide(a).tanh()),
-        GLOp::Asinh => |a| rounded(wide(a).asinh()),
-        GLOp::Acosh => |a| rounded(wide(a).acosh()),
-        GLOp::Atanh => |a| rounded(wide(a).atanh()),
-        GLOp::Exp => |a| rounded(wide(a).exp()),
-        GLOp::Log => |a| rounded(wide(a).ln()),
-        GLOp::Exp2 => |a| rounded(wide(a).exp2()),
-        GLOp::Log2 => |a| rounded(wide(a).log2()),
-        GLOp::Sqrt => |a| f(a).sqrt().to_bits(),
-        GLOp::InverseSqrt => |a| rounded(1.0 / wide(a).sqrt()),
-        GLOp::FindILsb => |a| if a == 0 { u32::MAX } else { a.trailing_zeros() },
-        GLOp::FindUMsb => highest,
-        GLOp::FindSMsb => |a| highest(if i(a) < 0 { !a } else { a }),
-        _ => return None,
+        GLOp::Round | GLOp::RoundEven => One(|a| f(a).round_ties_even().to_bits()),
+        GLOp::Trunc => One(|a| f(a).trunc().to_bits()),
+        GLOp::FAbs => One(|a| f(a).abs().to_bits()),
+        GLOp::SAbs => One(|a| i(a).wrapping_abs() as u32),
+        GLOp::FSign => One(|a| if f(a) == 0.0 || f(a).is_nan() { 0 } else { f(a).signum().to_bits() }),
+        GLOp::SSign => One(|a| i(a).signum() as u32),
+        GLOp::Floor => One(|a| f(a).floor().to_bits()),
+        GLOp::Ceil => One(|a| f(a).ceil().to_bits()),
+        GLOp::Fract => One(|a| (f(a) - f(a).floor()).to_bits()),
+        GLOp::Radians => One(|a| rounded(wide(a).to_radians())),
+        GLOp::Degrees => One(|a| rounded(wide(a).to_degrees())),
+        GLOp::Sin => One(|a| rounded(wide(a).sin())),
+        GLOp::Cos => One(|a| rounded(wide(a).cos())),
+        GLOp::Tan => One(|a| rounded(wide(a).tan())),
+        GLOp::Asin => One(|a| rounded(wide(a).asin())),
+        GLOp::Acos => One(|a| rounded(wide(a).acos())),
+        GLOp::Atan => One(|a| rounded(wide(a).atan())),
+        GLOp::Sinh => One(|a| rounded(wide(a).sinh())),
+        GLOp::Cosh => One(|a| rounded(wide(a).cosh())),
+        GLOp::Tanh => One(|a| rounded(wide(a).tanh())),
+        GLOp::Asinh => One(|a| rounded(wide(a).asinh())),
+        GLOp::Acosh => One(|a| rounded(wide(a).acosh())),
+        GLOp::Atanh => One(|a| rounded(wide(a).atanh())),
+        GLOp::Exp => One(|a| rounded(wide(a).exp())),
+        GLOp::Log => One(|a| rounded(wide(a).ln())),
+        GLOp::Exp2 => One(|a| rounded(wide(a).exp2())),
+        GLOp::Log2 => One(|a| rounded(wide(a).log2())),
+        GLOp::Sqrt => One(|a| f(a).sqrt().to_bits()),
+        GLOp::InverseSqrt => One(|a| rounded(1.0 / wide(a).sqrt())),
+        GLOp::FindILsb => One(|a| if a == 0 { u32::MAX } else { a.trailing_zeros() }),
+        GLOp::FindUMsb => One(highest),
+        GLOp::FindSMsb => One(|a| highest(if i(a) < 0 { !a } else { a })),
+        _ => return of_several(function),
     })
 }
 
-/// A function of GLSL.std.450 of two numbers.
-pub(super) fn glsl_two(function: GLOp) -> Option<Two> {
+/// A function of two or three numbers.
+fn of_several(function: GLOp) -> Option<Function> {
     Some(match function {
-        GLOp::Atan2 => |a, b| rounded(wide(a).atan2(wide(b))),
-        GLOp::Pow => |a, b| rounded(wide(a).powf(wide(b))),
-        GLOp::FMin | GLOp::NMin => |a, b| f(a).min(f(b)).to_bits(),
-        GLOp::UMin => u32::min,
-        GLOp::SMin => |a, b| i(a).min(i(b)) as u32,
-        GLOp::FMax | GLOp::NMax => |a, b| f(a).max(f(b)).to_bits(),
-        GLOp::UMax => u32::max,
-        GLOp::SMax => |a, b| i(a).max(i(b)) as u32,
-        GLOp::Step => |edge, a| if f(a) < f(edge) { 0 } else { 1f32.to_bits() },
-        GLOp::Ldexp => |a, b| rounded(wide(a) * f64::from(i(b).clamp(-400, 400)).exp2()),
-        _ => return None,
-    })
-}
-
-/// A function of GLSL.std.450 of three numbers.
-pub(super) fn glsl_three(function: GLOp) -> Option<Three> {
-    Some(match function {
-        GLOp::FClamp | GLOp::NClamp => |a, low, high| f(a).max(f(low)).min(f(high)).to_bits(),
-        GLOp::UClamp => |a, low, high| a.max(low).min(high),
-        GLOp::SClamp => |a, low, high| i(a).max(i(low)).min(i(high)) as u32,
-        GLOp::FMix => |a, b, t| (f(a) * (1.0 - f(t)) + f(b) * f(t)).to_bits(),
-        GLOp::SmoothStep => |low, high, a| {
+        GLOp::Atan2 => Two(|a, b| rounded(wide(a).atan2(wide(b)))),
+        GLOp::Pow => Two(|a, b| rounded(wide(a).powf(wide(b)))),
+        GLOp::FMin | GLOp::NMin => Two(|a, b| f(a).min(f(b)).to_bits()),
+        GLOp::UMin => Two(u32::min),
+        GLOp::SMin => Two(|a, b| i(a).min(i(b)) as u32),
+        GLOp::FMax | GLOp::NMax => Two(|a, b| f(a).max(f(b)).to_bits()),
+        GLOp::UMax => Two(u32::max),
+        GLOp::SMax => Two(|a, b| i(a).max(i(b)) as u32),
+        GLOp::Step => Two(|edge, a| if f(a) < f(edge) { 0 } else { 1f32.to_bits() }),
+        GLOp::Ldexp => Two(|a, b| rounded(wide(a) * f64::from(i(b).clamp(-400, 400)).exp2())),
+        GLOp::FClamp | GLOp::NClamp => Three(|a, low, high| f(a).max(f(low)).min(f(high)).to_bits()),
+        GLOp::UClamp => Three(|a, low, high| a.max(low).min(high)),
+        GLOp::SClamp => Three(|a, low, high| i(a).max(i(low)).min(i(high)) as u32),
+        GLOp::FMix => Three(|a, b, t| (f(a) * (1.0 - f(t)) + f(b) * f(t)).to_bits()),
+        GLOp::SmoothStep => Three(|low, high, a| {
             let t = ((f(a) - f(low)) / (f(high) - f(low))).clamp(0.0, 1.0);
             (t * t * (3.0 - 2.0 * t)).to_bits()
-        },
-        GLOp::Fma => |a, b, c| f(a).mul_add(f(b), f(c)).to_bits(),
+        }),
+        GLOp::Fma => Three(|a, b, c| f(a).mul_add(f(b), f(c)).to_bits()),
         _ => return None,
     })
 }

@@ -5,10 +5,9 @@ use std::ops::Range;
 
 use spirq::spirv::{BuiltIn, Decoration, ExecutionMode, Op, StorageClass};
 
-use super::arithmetic::{one, three, two};
 use super::code::{Act, Block, Code, Decoded, Pointer, Root, Site, Variable};
 use super::types::{Type, Types};
-use crate::gpu::{Instruction, instructions};
+use crate::gpu::{Instruction, instructions, text};
 use crate::layout::BUFFER_IDS;
 
 /// What an id stands for.
@@ -20,6 +19,7 @@ pub(super) enum Value {
 }
 
 /// A module that is being decoded.
+#[derive(Default)]
 pub(super) struct Builder<'a> {
     pub(super) list: Vec<Instruction<'a>>,
     pub(super) types: Types,
@@ -41,6 +41,8 @@ pub(super) struct Builder<'a> {
     /// The file, an id, and the line of the next instruction.
     pub(super) line: (u32, u32),
     sites: HashMap<Site, u32>,
+    /// The place of the instruction at hand.
+    pub(super) site: u32,
     /// The first register of variables of the whole module that an invocation has for itself, and how many there are.
     pub(super) private: Vec<(u32, u32)>,
     /// Variables that have a value at first: registers, and those of the value.
@@ -58,30 +60,7 @@ pub(super) struct Builder<'a> {
 
 /// The kernel of a module, with these values of specialization constants.
 pub(super) fn decoded(words: &[u32], special: &BTreeMap<u32, u32>, may_contract: bool) -> Decoded<Code> {
-    let list: Vec<Instruction<'_>> = instructions(words).collect();
-    let mut builder = Builder {
-        list,
-        types: Types::default(),
-        functions: HashMap::new(),
-        global: HashMap::new(),
-        local: Vec::new(),
-        code: Code::default(),
-        blocks: Vec::new(),
-        constants: HashMap::new(),
-        known: HashMap::new(),
-        names: HashMap::new(),
-        glsl: 0,
-        silent: Vec::new(),
-        line: (0, 0),
-        sites: HashMap::new(),
-        private: Vec::new(),
-        initial: Vec::new(),
-        taken: HashSet::new(),
-        made: 0,
-        may_contract,
-        contracts: false,
-        products: HashMap::new(),
-    };
+    let mut builder = Builder { list: instructions(words).collect(), may_contract, ..Builder::default() };
     let entry = builder.declarations(special)?;
     builder.kernel(entry)?;
     let Builder { mut code, blocks, known, .. } = builder;
@@ -103,18 +82,15 @@ pub(super) fn part_of(all: &[u32], first: usize, count: u32) -> Decoded<Vec<u32>
     part.map(<[u32]>::to_vec).ok_or_else(|| "it takes a part that a value does not have".into())
 }
 
+/// The beginning of a name, which may be a whole source.
+fn name_in(words: &[u32]) -> String {
+    text(&words[..words.len().min(256)])
+}
+
 /// The name of the buffer that is bound at a number.
 fn buffer_name(binding: u32) -> String {
     let known = BUFFER_IDS.get(binding as usize);
     known.map_or_else(|| format!("binding {binding}"), |id| id.spec().name.into())
-}
-
-/// The text of a literal.
-fn text(words: &[u32]) -> String {
-    const MOST: usize = 1 << 10;
-    let bytes = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0);
-    let bytes: Vec<u8> = bytes.take(MOST).collect();
-    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 impl<'a> Builder<'a> {
@@ -133,12 +109,12 @@ impl<'a> Builder<'a> {
                 (Some(Op::ExecutionModeId), [_, mode, x, y, z]) if *mode == ExecutionMode::LocalSizeId as u32 => {
                     by_ids = Some([*x, *y, *z]);
                 }
-                (Some(Op::ExtInstImport), [id, name @ ..]) => match text(name).as_str() {
+                (Some(Op::ExtInstImport), [id, name @ ..]) => match name_in(name).as_str() {
                     "GLSL.std.450" => self.glsl = *id,
                     name if name.starts_with("NonSemantic.") => self.silent.push(*id),
                     name => return Err(format!("it has the instruction set {name}")),
                 },
-                (Some(Op::Name | Op::String), [id, name @ ..]) => drop(self.names.insert(*id, text(name))),
+                (Some(Op::Name | Op::String), [id, name @ ..]) => drop(self.names.insert(*id, name_in(name))),
                 (Some(Op::Decorate | Op::MemberDecorate), _) => self.types.decorate(*instruction),
                 (Some(Op::Function), [_, id, ..]) => function = Some((*id, at + 1)),
                 (Some(Op::FunctionEnd), _) => {
@@ -146,14 +122,12 @@ impl<'a> Builder<'a> {
                     self.functions.insert(id, first..at);
                 }
                 (Some(op), [id, ..]) if (Op::TypeVoid..=Op::TypeFunction).contains(&op) => {
-                    let (known, global) = (&self.known, &self.global);
-                    let value = |length: u32| match global.get(&length) {
-                        Some(Value::Numbers(_, numbers)) => {
-                            Ok(numbers.first().and_then(|first| known.get(first)).copied().unwrap_or(0))
-                        }
-                        _ => Err(format!("the length of array %{id} is no constant")),
+                    let length = match (op, operands) {
+                        (Op::TypeArray, [.., length]) => self.single(*length).ok().and_then(|own| self.constant(own)),
+                        _ => None,
                     };
-                    self.types.declare(op, operands, value)?;
+                    let length = length.ok_or_else(|| format!("the length of array %{id} is no constant"));
+                    self.types.declare(op, operands, length)?;
                 }
                 (Some(op), [ty, id, rest @ ..]) if function.is_none() => self.declare(op, *ty, *id, rest, special)?,
                 (None, _) if function.is_none() => return Err("it has an instruction that is not known".into()),
@@ -193,7 +167,7 @@ impl<'a> Builder<'a> {
                 let what = Op::from_u32(*what).ok_or("it computes a constant in a way that is not known")?;
                 self.computed(what, ty, operands)?
             }
-            (Op::Variable, [class, initial @ ..]) => return self.variable(ty, id, *class, initial),
+            (Op::Variable, [_, initial @ ..]) => return self.variable(ty, id, initial),
             // What else comes before functions has no result.
             _ => return Ok(()),
         };
@@ -224,58 +198,16 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The value of an expression of constants.
-    fn computed(&mut self, op: Op, ty: u32, operands: &[u32]) -> Decoded<Vec<u32>> {
-        if op == Op::CompositeExtract {
-            let [value, path @ ..] = operands else { return Err("it takes a part of nothing".into()) };
-            let (mut of, all) = self.typed(*value)?;
-            let mut first = 0;
-            for index in path {
-                let (part, before) = self.types.part(of, *index)?;
-                (of, first) = (part, first + before);
-            }
-            return part_of(&all, first as usize, self.types.count(of)?);
-        }
-        let operands = operands.iter().take(3).map(|id| self.numbers(*id)).collect::<Decoded<Vec<_>>>()?;
-        let known =
-            |list: &Vec<u32>| list.iter().map(|register| self.constant(*register)).collect::<Option<Vec<u32>>>();
-        let values =
-            operands.iter().map(known).collect::<Option<Vec<_>>>().ok_or("a constant depends on no constant")?;
-        let component = |k: usize| -> Option<u32> {
-            let own = |n: usize| values.get(n)?.get(k).copied();
-            match op {
-                Op::Select => {
-                    Some(if *values.first()?.get(k).or(values.first()?.first())? != 0 { own(1)? } else { own(2)? })
-                }
-                Op::Bitcast | Op::CopyObject => own(0),
-                _ => None
-                    .or_else(|| one(op).and_then(|f| Some(f(own(0)?))))
-                    .or_else(|| two(op).and_then(|f| Some(f(own(0)?, own(1)?))))
-                    .or_else(|| three(op).and_then(|f| Some(f(own(0)?, own(1)?, own(2)?)))),
-            }
-        };
-        let count = self.types.count(ty)? as usize;
-        let found = (0..count).map(component).collect::<Option<Vec<u32>>>();
-        let found = found.ok_or_else(|| format!("it computes a constant by Op{op:?}"))?;
-        Ok(found.into_iter().map(|value| self.number(value)).collect())
-    }
-
     /// Takes a variable of the whole module.
-    fn variable(&mut self, ty: u32, id: u32, class: u32, initial: &[u32]) -> Decoded<()> {
-        const STORAGE: u32 = StorageClass::StorageBuffer as u32;
-        const UNIFORM: u32 = StorageClass::Uniform as u32;
-        const SHARED: u32 = StorageClass::Workgroup as u32;
-        const PRIVATE: u32 = StorageClass::Private as u32;
-        const INPUT: u32 = StorageClass::Input as u32;
-        const PUSHED: u32 = StorageClass::PushConstant as u32;
-        let (_, to) = self.types.pointee(ty)?;
+    fn variable(&mut self, ty: u32, id: u32, initial: &[u32]) -> Decoded<()> {
+        let (class, to) = self.types.pointee(ty)?;
         let root = match class {
-            STORAGE | UNIFORM => {
+            StorageClass::StorageBuffer | StorageClass::Uniform => {
                 let binding = self.types.decoration(id, Decoration::Binding).ok_or("a buffer has no binding")?;
                 self.code.buffers.push(binding);
                 Root::Buffer(self.code.buffers.len() as u32 - 1)
             }
-            SHARED => {
+            StorageClass::Workgroup => {
                 let first = self.code.shared;
                 self.code.shared = first.saturating_add(self.types.count(to)?);
                 if self.code.shared > MOST_SHARED {
@@ -283,30 +215,29 @@ impl<'a> Builder<'a> {
                 }
                 Root::Shared(first)
             }
-            PRIVATE => {
+            StorageClass::Private => {
                 let count = self.types.count(to)?;
                 let first = self.registers(count);
                 self.private.push((first, count));
                 Root::Registers(first)
             }
-            INPUT => {
-                let input =
-                    self.types.decoration(id, Decoration::BuiltIn).ok_or("it has an input that is not built in")?;
+            StorageClass::Input => {
+                let input = self.types.decoration(id, Decoration::BuiltIn);
+                let input = input.ok_or("it has an input that is not built in")?;
                 let count = self.types.count(to)?;
-                if count != numbers_of(input) {
-                    return Err(format!("it has {count} numbers for the built-in value {input}"));
-                }
+                let known = BuiltIn::from_u32(input).filter(|known| numbers_of(*known) == count);
+                let known = known.ok_or_else(|| format!("it has {count} numbers for the built-in value {input}"))?;
                 let first = self.registers(count);
-                self.code.inputs.push((input, first));
+                self.code.inputs.push((known, first, count));
                 Root::Registers(first)
             }
-            PUSHED => {
+            StorageClass::PushConstant => {
                 let count = self.types.words(to, true)?.into_iter().max().map_or(0, |last| last + 1);
                 let first = self.registers(count);
                 self.code.pushed = (first, count);
                 Root::Registers(first)
             }
-            other => return Err(format!("it has a variable of storage class {other}")),
+            other => return Err(format!("it has a variable of storage class {other:?}")),
         };
         let pointer = self.pointer(id, root, to)?;
         if let ([value], Root::Registers(first)) = (initial, root) {
@@ -341,6 +272,13 @@ impl<'a> Builder<'a> {
         let first = self.code.registers;
         self.code.registers = first.saturating_add(count);
         first
+    }
+
+    /// New registers for the numbers of a value of this type.
+    pub(super) fn new_value(&mut self, ty: u32) -> Decoded<Vec<u32>> {
+        let count = self.types.count(ty)?;
+        let first = self.registers(count);
+        Ok((first..first + count).collect())
     }
 
     /// The register of a number that is known.
@@ -402,39 +340,38 @@ impl<'a> Builder<'a> {
         self.local.last_mut().map_or(&mut self.global, |local| local).insert(id, value);
     }
 
-    /// The place of an instruction in the sources: its entry.
-    pub(super) fn site(&mut self, instruction: String) -> u32 {
+    /// An instruction begins: what is made of it has its place in the sources.
+    pub(super) fn begin(&mut self, instruction: String) {
         let file = self.names.get(&self.line.0).cloned().unwrap_or_default();
         // The build has its own folder for the layout.
         let file = if file.ends_with("/layout.glsl") { "layout.glsl".into() } else { file };
         let line = if file.is_empty() { 0 } else { self.line.1 };
         let site = Site { instruction, file, line };
-        if let Some(known) = self.sites.get(&site) {
-            return *known;
-        }
-        self.code.places.push(site.clone());
-        self.sites.insert(site, self.code.places.len() as u32 - 1);
-        self.code.places.len() as u32 - 1
+        let places = &mut self.code.places;
+        self.site = *self.sites.entry(site.clone()).or_insert_with(|| {
+            places.push(site);
+            places.len() as u32 - 1
+        });
     }
 
-    /// Adds an instruction to the last block.
-    pub(super) fn act(&mut self, act: Act, site: u32) {
+    /// Adds an act of the instruction to the last block.
+    pub(super) fn act(&mut self, act: Act) {
         self.made += 1;
         if let Some(block) = self.blocks.last_mut() {
             block.acts.push(act);
-            block.at.push(site);
+            block.at.push(self.site);
         }
     }
 }
 
 /// How many numbers a built-in value of compute has; 0 of all others.
-fn numbers_of(input: u32) -> u32 {
+fn numbers_of(input: BuiltIn) -> u32 {
     use BuiltIn as B;
-    match BuiltIn::from_u32(input) {
-        Some(B::WorkgroupId | B::NumWorkgroups | B::LocalInvocationId | B::GlobalInvocationId) => 3,
-        Some(B::LocalInvocationIndex | B::SubgroupId | B::NumSubgroups) => 1,
-        Some(B::SubgroupLocalInvocationId | B::SubgroupSize) => 1,
-        Some(B::SubgroupEqMask | B::SubgroupGeMask | B::SubgroupGtMask | B::SubgroupLeMask | B::SubgroupLtMask) => 4,
+    match input {
+        B::WorkgroupId | B::NumWorkgroups | B::LocalInvocationId | B::GlobalInvocationId => 3,
+        B::LocalInvocationIndex | B::SubgroupId | B::NumSubgroups => 1,
+        B::SubgroupLocalInvocationId | B::SubgroupSize => 1,
+        B::SubgroupEqMask | B::SubgroupGeMask | B::SubgroupGtMask | B::SubgroupLeMask | B::SubgroupLtMask => 4,
         _ => 0,
     }
 }

@@ -3,78 +3,68 @@
 //! Every number of the kernel has a register, of one word for each invocation of the group: `n` registers for a vector
 //! of `n`. What only renames numbers, such as taking a component, has no instruction here.
 
+use spirq::spirv::BuiltIn;
+
 /// A result, or what the interpreter has not got, or what is wrong with a module.
 pub(super) type Decoded<T> = Result<T, String>;
 
-/// A function of one number.
-pub(super) type One = fn(u32) -> u32;
 /// A function of two numbers.
-pub(super) type Two = fn(u32, u32) -> u32;
-/// A function of three numbers.
-pub(super) type Three = fn(u32, u32, u32) -> u32;
+pub(super) type OfTwo = fn(u32, u32) -> u32;
 
-/// What an invocation does; `d` is the register that takes the result.
+/// What an instruction computes of numbers.
 #[derive(Clone, Copy, Debug)]
+pub(super) enum Function {
+    One(fn(u32) -> u32),
+    Two(OfTwo),
+    Three(fn(u32, u32, u32) -> u32),
+    /// The second number, or the third where the first is 0.
+    Select,
+}
+
+impl Function {
+    /// How many of its operands the result depends on, whatever their values are.
+    pub(super) fn depends(self) -> usize {
+        match self {
+            Self::One(_) | Self::Select => 1,
+            Self::Two(_) => 2,
+            Self::Three(_) => 3,
+        }
+    }
+
+    /// Its value.
+    pub(super) fn value(self, [a, b, c]: [u32; 3]) -> u32 {
+        match self {
+            Self::One(f) => f(a),
+            Self::Two(f) => f(a, b),
+            Self::Three(f) => f(a, b, c),
+            Self::Select if a == 0 => c,
+            Self::Select => b,
+        }
+    }
+}
+
+/// What an invocation does. Numbers are registers where nothing else is said.
+#[derive(Debug)]
 pub(super) enum Act {
-    One {
-        f: One,
-        d: u32,
-        a: u32,
-    },
-    Two {
-        f: Two,
-        d: u32,
-        a: u32,
-        b: u32,
-    },
-    Three {
-        f: Three,
-        d: u32,
-        a: u32,
-        b: u32,
-        c: u32,
-    },
-    Move {
-        d: u32,
-        a: u32,
-    },
-    Select {
-        d: u32,
-        on: u32,
-        yes: u32,
-        no: u32,
-    },
-    /// Where a pointer points to: an entry of [`Code::chains`].
-    Chain(u32),
-    /// Entries of [`Code::accesses`].
-    Load(u32),
-    Store(u32),
-    /// An entry of [`Code::atomics`].
-    Atomic(u32),
-    /// How many elements of this many words the buffer has from this word on.
-    Length {
-        d: u32,
-        buffer: u32,
-        first: u32,
-        stride: u32,
-    },
+    /// The register that takes the result, and the operands.
+    Compute(Function, u32, [u32; 3]),
+    /// The first register takes what is in the second.
+    Move(u32, u32),
+    /// Where a pointer points to.
+    Chain(Box<Chain>),
+    Load(Box<Access>),
+    Store(Box<Access>),
+    Atomic(Box<Atomic>),
+    /// The register takes how many elements a buffer has, an entry of [`Code::buffers`]: the word of the first one, and
+    /// words from one to the next.
+    Length(u32, u32, [u32; 2]),
     /// A barrier of a scope, and what memory it orders.
-    Barrier {
-        scope: u32,
-        semantics: u32,
-    },
+    Barrier(u32, u32),
     /// The order of memory only.
-    Fence {
-        scope: u32,
-        semantics: u32,
-    },
-    /// An entry of [`Code::teams`].
-    Team(u32),
-    /// A variable begins its life without a value.
-    Begin {
-        first: u32,
-        count: u32,
-    },
+    Fence(u32, u32),
+    Team(Box<Team>),
+    /// A variable begins its life without a value: its first register, and how many there are.
+    Begin(u32, u32),
 }
 
 /// Where a variable is.
@@ -134,7 +124,7 @@ pub(super) enum Change {
     Load,
     Store,
     /// The word and the operand give the new word.
-    Apply(Two),
+    Apply(OfTwo),
     /// The operand takes its place if it equals this register; if not, it is only loaded, with these semantics.
     Compare {
         with: u32,
@@ -169,7 +159,7 @@ pub(super) struct Team {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Exchange {
     /// The value of the invocation that this gives, from the own number and the operand.
-    Take(Two),
+    Take(OfTwo),
     /// The value of the first one.
     First,
     Elect,
@@ -185,7 +175,7 @@ pub(super) enum Exchange {
     Lowest,
     Highest,
     /// What this function makes of all values, in their order, beginning with this number.
-    Fold(Two, u32, Among),
+    Fold(OfTwo, u32, Among),
 }
 
 /// Of which invocations.
@@ -205,31 +195,24 @@ pub(super) struct Edge {
     pub(super) moves: Vec<(u32, u32)>,
 }
 
-/// How a block ends.
-#[derive(Clone, Debug)]
-pub(super) enum End {
-    Jump(Edge),
-    Branch { on: u32, yes: Edge, no: Edge },
-    Switch { on: u32, cases: Vec<(u32, Edge)>, otherwise: Edge },
-    Return,
+/// How a block ends: a register, the edges that are taken where it has these values, and the one otherwise; the kernel
+/// ends where there is none. A jump has no cases.
+#[derive(Clone, Debug, Default)]
+pub(super) struct End {
+    pub(super) on: u32,
+    pub(super) cases: Vec<(u32, Edge)>,
+    pub(super) otherwise: Option<Edge>,
 }
 
 impl End {
     /// The edges to other blocks.
-    pub(super) fn edges_mut(&mut self) -> Vec<&mut Edge> {
-        match self {
-            Self::Jump(edge) => vec![edge],
-            Self::Branch { yes, no, .. } => vec![yes, no],
-            Self::Switch { cases, otherwise, .. } => {
-                cases.iter_mut().map(|(_, edge)| edge).chain([otherwise]).collect()
-            }
-            Self::Return => Vec::new(),
-        }
+    pub(super) fn edges_mut(&mut self) -> impl Iterator<Item = &mut Edge> {
+        self.cases.iter_mut().map(|(_, edge)| edge).chain(&mut self.otherwise)
     }
 }
 
 /// A block.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Block {
     pub(super) acts: Vec<Act>,
     /// The place of each of them, and that of the block's end: entries of [`Code::places`].
@@ -285,12 +268,8 @@ pub(super) struct Code {
     pub(super) constants: Vec<(u32, u32)>,
     /// The first register of the push constants, and how many there are.
     pub(super) pushed: (u32, u32),
-    /// Numbers of built-in values, and the first register of each.
-    pub(super) inputs: Vec<(u32, u32)>,
-    pub(super) chains: Vec<Chain>,
-    pub(super) accesses: Vec<Access>,
-    pub(super) atomics: Vec<Atomic>,
-    pub(super) teams: Vec<Team>,
+    /// Built-in values: the first register of each, and how many it has.
+    pub(super) inputs: Vec<(BuiltIn, u32, u32)>,
     pub(super) variables: Vec<Variable>,
     /// The binding of each buffer.
     pub(super) buffers: Vec<u32>,

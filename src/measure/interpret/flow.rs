@@ -8,7 +8,7 @@ use super::code::{Block, Decoded};
 pub(super) fn ordered(mut blocks: Vec<Block>) -> Decoded<Vec<Block>> {
     let count = blocks.len();
     let within = |block: &mut Block| {
-        block.end.edges_mut().iter().all(|edge| edge.to < count) && block.merges.iter().all(|to| *to < count)
+        block.end.edges_mut().all(|edge| edge.to < count) && block.merges.iter().all(|to| *to < count)
     };
     if count == 0 || !blocks.iter_mut().all(within) {
         return Err("a block goes on where there is none".into());
@@ -21,7 +21,7 @@ pub(super) fn ordered(mut blocks: Vec<Block>) -> Decoded<Vec<Block>> {
     let mut blocks: Vec<Option<Block>> = blocks.into_iter().map(Some).collect();
     let mut sorted: Vec<Block> = order.iter().filter_map(|old| blocks[*old].take()).collect();
     for block in &mut sorted {
-        block.end.edges_mut().into_iter().for_each(|edge| edge.to = place[edge.to]);
+        block.end.edges_mut().for_each(|edge| edge.to = place[edge.to]);
         block.merges.clear();
     }
     Ok(sorted)
@@ -31,8 +31,7 @@ pub(super) fn ordered(mut blocks: Vec<Block>) -> Decoded<Vec<Block>> {
 fn order(blocks: &[Block]) -> Vec<usize> {
     let next = |block: &Block| -> Vec<usize> {
         let mut end = block.end.clone();
-        let edges = end.edges_mut().into_iter().map(|edge| edge.to).collect::<Vec<_>>();
-        block.merges.iter().copied().chain(edges).collect()
+        block.merges.iter().copied().chain(end.edges_mut().map(|edge| edge.to)).collect()
     };
     let mut seen = vec![false; blocks.len()];
     let mut done = Vec::with_capacity(blocks.len());

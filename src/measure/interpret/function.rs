@@ -59,21 +59,25 @@ fn edge(label: u32) -> Edge {
     Edge { to: label as usize, moves: Vec::new() }
 }
 
+fn jump(to: usize) -> End {
+    End { otherwise: Some(Edge { to, moves: Vec::new() }), ..End::default() }
+}
+
 /// The end of a block that leaves the function: to where it was called, if it was.
 fn leaving(back: bool) -> End {
-    if back { End::Jump(Edge { to: BACK, moves: Vec::new() }) } else { End::Return }
+    if back { jump(BACK) } else { End::default() }
 }
 
 impl Builder<'_> {
     /// Decodes the function that the kernel begins with, and what it calls.
     pub(super) fn kernel(&mut self, entry: u32) -> Decoded<()> {
         self.begin_block();
-        let site = self.site("OpVariable".into());
+        self.begin("OpVariable".into());
         for (first, count) in self.private.clone() {
-            self.act(Act::Begin { first, count }, site);
+            self.act(Act::Begin(first, count));
         }
         for (d, a) in self.initial.clone() {
-            self.act(Act::Move { d, a }, site);
+            self.act(Act::Move(d, a));
         }
         for instruction in self.functions.values().flat_map(|range| &self.list[range.clone()]) {
             let first = match instruction.op {
@@ -88,17 +92,16 @@ impl Builder<'_> {
 
     /// Begins a block, and returns its number.
     fn begin_block(&mut self) -> usize {
-        let empty = Block { acts: Vec::new(), at: Vec::new(), end: End::Return, merges: Vec::new(), length: 0 };
-        self.blocks.push(empty);
+        self.blocks.push(Block::default());
         self.blocks.len() - 1
     }
 
     /// Ends the last block.
     fn end_block(&mut self, end: End, op: Op) {
-        let site = self.site(format!("Op{op:?}"));
+        self.begin(format!("Op{op:?}"));
         if let Some(block) = self.blocks.last_mut() {
             block.end = end;
-            block.at.push(site);
+            block.at.push(self.site);
         }
     }
 
@@ -144,7 +147,7 @@ impl Builder<'_> {
         if result.is_some() {
             let back = self.begin_block();
             for block in &mut self.blocks[start..back] {
-                let leaving = block.end.edges_mut().into_iter().filter(|edge| edge.to == BACK);
+                let leaving = block.end.edges_mut().filter(|edge| edge.to == BACK);
                 leaving.for_each(|edge| edge.to = back);
             }
             if start > 0 {
@@ -158,9 +161,9 @@ impl Builder<'_> {
     fn label(&mut self, label: u32, frame: &mut Frame) -> Decoded<()> {
         let block = self.begin_block();
         if frame.first.is_empty() {
-            let site = self.site("OpLabel".into());
-            self.blocks[block - 1].end = End::Jump(Edge { to: block, moves: Vec::new() });
-            self.blocks[block - 1].at.push(site);
+            self.begin("OpLabel".into());
+            self.blocks[block - 1].end = jump(block);
+            self.blocks[block - 1].at.push(self.site);
         }
         let twice = frame.first.insert(label, block).is_some();
         if twice || std::mem::replace(&mut frame.open, true) {
@@ -189,22 +192,22 @@ impl Builder<'_> {
             (Op::FunctionCall, [ty, id, function, arguments @ ..]) => {
                 return self.call((*ty, *id), *function, arguments);
             }
-            (Op::Branch, [to]) => End::Jump(edge(*to)),
+            (Op::Branch, [to]) => jump(*to as usize),
             (Op::BranchConditional, [on, yes, no, ..]) => {
                 let on = self.single(*on)?;
                 match self.constant(on).filter(|known| !is_undefined(*known)) {
-                    Some(known) => End::Jump(edge(if known == 0 { *no } else { *yes })),
-                    None => End::Branch { on, yes: edge(*yes), no: edge(*no) },
+                    Some(known) => jump(if known == 0 { *no } else { *yes } as usize),
+                    None => End { on, cases: vec![(0, edge(*no))], otherwise: Some(edge(*yes)) },
                 }
             }
             (Op::Switch, [on, otherwise, cases @ ..]) => {
                 let cases = cases.chunks_exact(2).map(|pair| (pair[0], edge(pair[1]))).collect();
-                End::Switch { on: self.single(*on)?, cases, otherwise: edge(*otherwise) }
+                End { on: self.single(*on)?, cases, otherwise: Some(edge(*otherwise)) }
             }
             (Op::ReturnValue, [value]) => {
-                let site = self.site("OpReturnValue".into());
+                self.begin("OpReturnValue".into());
                 for (d, a) in result.unwrap_or_default().iter().copied().zip(self.numbers(*value)?) {
-                    self.act(Act::Move { d, a }, site);
+                    self.act(Act::Move(d, a));
                 }
                 leaving(result.is_some())
             }
@@ -219,7 +222,7 @@ impl Builder<'_> {
             for label in targets(Some(op), operands) {
                 frame.awaited.entry(label).and_modify(|count| *count -= 1);
             }
-            for edge in end.edges_mut().into_iter().filter(|_| reached) {
+            for edge in end.edges_mut().filter(|_| reached) {
                 frame.before.entry(edge.to as u32).or_default().insert(frame.label);
             }
             frame.ends.push((self.blocks.len() - 1, frame.label, merges));
@@ -242,8 +245,7 @@ impl Builder<'_> {
             self.set(id, Value::Numbers(ty, numbers));
             return Ok(());
         }
-        let first = self.registers(count);
-        let registers: Vec<u32> = (first..first + count).collect();
+        let registers = self.new_value(ty)?;
         self.set(id, Value::Numbers(ty, registers.clone()));
         let from = from.chunks_exact(2).map(|pair| (pair[1], pair[0])).collect();
         frame.phis.entry(frame.label).or_default().push(Phi { registers, from });
@@ -256,9 +258,7 @@ impl Builder<'_> {
             return Err(format!("a call has more than {MOST_ARGUMENTS} arguments"));
         }
         let arguments = arguments.iter().map(|id| self.value(*id).cloned()).collect::<Decoded<Vec<_>>>()?;
-        let count = self.types.count(ty)?;
-        let first = self.registers(count);
-        let registers: Vec<u32> = (first..first + count).collect();
+        let registers = self.new_value(ty)?;
         let line = self.line;
         self.function(function, arguments, Some(&registers))?;
         self.line = line;

@@ -2,9 +2,9 @@
 
 use spirq::spirv::{Decoration, GLOp, Op};
 
-use super::arithmetic::{double, f, glsl_one, glsl_three, glsl_two, one, ones, three, two};
+use super::arithmetic::{double, f, function, ones, operation};
 use super::builder::{Builder, Value, part_of};
-use super::code::{Act, Decoded, Three, Two};
+use super::code::{Act, Decoded, Function, OfTwo};
 
 /// One more than the operands of any computation.
 const MOST_OPERANDS: usize = 5;
@@ -14,8 +14,8 @@ const MOST_NUMBERS: usize = 16;
 impl Builder<'_> {
     /// Decodes an instruction that neither ends a block nor calls a function.
     pub(super) fn instruction(&mut self, op: Op, operands: &[u32]) -> Decoded<()> {
-        let site = self.site(format!("Op{op:?}"));
-        if self.memory_instruction(op, operands, site)? || self.group_instruction(op, operands, site)? {
+        self.begin(format!("Op{op:?}"));
+        if self.memory_instruction(op, operands)? || self.group_instruction(op, operands)? {
             return Ok(());
         }
         let (ty, id, of) = match (op, operands) {
@@ -24,15 +24,19 @@ impl Builder<'_> {
             _ => return Err(format!("it has Op{op:?}")),
         };
         self.contracts = self.may_contract && self.types.decoration(id, Decoration::NoContraction).is_none();
-        let numbers = match op {
-            Op::ExtInst => return self.extended(ty, id, of),
-            _ => match self.renamed(op, ty, of)? {
-                Some(numbers) => numbers,
-                None => self.arithmetic(op, ty, of, site)?,
-            },
-        };
-        self.set(id, Value::Numbers(ty, numbers));
-        Ok(())
+        match op {
+            Op::ExtInst => self.extended(ty, id, of),
+            _ => {
+                let numbers = self.computed(op, ty, of)?;
+                self.set(id, Value::Numbers(ty, numbers));
+                Ok(())
+            }
+        }
+    }
+
+    /// The registers of the result of an instruction, or of an expression of constants.
+    pub(super) fn computed(&mut self, op: Op, ty: u32, of: &[u32]) -> Decoded<Vec<u32>> {
+        self.renamed(op, ty, of)?.map_or_else(|| self.arithmetic(op, ty, of), Ok)
     }
 
     /// The registers of a value that is made of others without computing anything.
@@ -61,8 +65,8 @@ impl Builder<'_> {
                 components.iter().map(pick).collect()
             }
             (Op::Transpose, [matrix]) => {
-                let (of, all) = self.typed(*matrix)?;
-                let (columns, rows) = self.sides(of)?;
+                let all = self.numbers(*matrix)?;
+                let (columns, rows) = self.sides(*matrix)?;
                 let places = (0..rows).flat_map(|row| (0..columns).map(move |column| column * rows + row));
                 places.filter_map(|k| all.get(k).copied()).collect()
             }
@@ -81,7 +85,8 @@ impl Builder<'_> {
     }
 
     /// How many columns and rows a matrix has.
-    fn sides(&self, ty: u32) -> Decoded<(usize, usize)> {
+    fn sides(&self, id: u32) -> Decoded<(usize, usize)> {
+        let (ty, _) = self.typed(id)?;
         let (column, _) = self.types.part(ty, 0)?;
         let rows = self.types.count(column)?;
         let columns = self.types.count(ty)?.checked_div(rows).ok_or("it has a matrix without rows")?;
@@ -89,93 +94,61 @@ impl Builder<'_> {
     }
 
     /// The registers of a value that is computed.
-    fn arithmetic(&mut self, op: Op, ty: u32, of: &[u32], site: u32) -> Decoded<Vec<u32>> {
-        let all = of.iter().take(MOST_OPERANDS).map(|id| self.typed(*id)).collect::<Decoded<Vec<_>>>()?;
-        let list = |k: usize| all.get(k).map(|(_, list)| list.as_slice()).unwrap_or_default();
-        let (a, b) = (list(0), list(1));
-        if all.iter().any(|(_, list)| list.is_empty()) {
+    fn arithmetic(&mut self, op: Op, ty: u32, of: &[u32]) -> Decoded<Vec<u32>> {
+        let all = of.iter().take(MOST_OPERANDS).map(|id| self.numbers(*id)).collect::<Decoded<Vec<_>>>()?;
+        if all.iter().any(Vec::is_empty) {
             return Err(format!("it has Op{op:?} of nothing"));
         }
-        if all.iter().any(|(_, list)| list.len() > MOST_NUMBERS && op != Op::Select) {
+        if all.iter().any(|list| list.len() > MOST_NUMBERS && op != Op::Select) {
             return Err(format!("it has Op{op:?} of more than a matrix"));
         }
-        match (op, all.len()) {
-            (Op::VectorTimesScalar | Op::MatrixTimesScalar, 2) => {
-                Ok(a.iter().map(|x| self.two(Op::FMul, *x, b[0], site)).collect())
+        Ok(match (op, &all[..]) {
+            (Op::VectorTimesScalar | Op::MatrixTimesScalar, [a, b]) => self.scaled(a, b[0]),
+            (Op::Dot, [a, b]) => vec![self.dot(a, b)],
+            (Op::MatrixTimesVector, [a, b]) => self.times(self.sides(of[0])?, a, b),
+            (Op::MatrixTimesMatrix, [a, b]) => {
+                let (sides, (_, rows)) = (self.sides(of[0])?, self.sides(of[1])?);
+                b.chunks(rows).flat_map(|column| self.times(sides, a, column)).collect()
             }
-            (Op::Dot, 2) => Ok(vec![self.dot(a, b, site)]),
-            (Op::MatrixTimesVector, 2) => Ok(self.times(all[0].0, a, b, site)?),
-            (Op::MatrixTimesMatrix, 2) => {
-                let (_, rows) = self.sides(all[1].0)?;
-                let columns = b.chunks(rows).map(|column| self.times(all[0].0, a, column, site));
-                Ok(columns.collect::<Decoded<Vec<_>>>()?.concat())
+            (Op::VectorTimesMatrix, [a, b]) => b.chunks(a.len()).map(|column| self.dot(a, column)).collect(),
+            (Op::OuterProduct, [a, b]) => b.iter().flat_map(|y| self.scaled(a, *y)).collect(),
+            (Op::Any, [a]) => vec![self.fold(Op::LogicalOr, a)],
+            (Op::All, [a]) => vec![self.fold(Op::LogicalAnd, a)],
+            (Op::Select, [on, yes, no]) => {
+                let on = on.iter().copied().chain(std::iter::repeat(on[0]));
+                on.zip(yes.iter().zip(no)).map(|(on, (yes, no))| self.select(on, *yes, *no)).collect()
             }
-            (Op::VectorTimesMatrix, 2) => Ok(b.chunks(a.len()).map(|column| self.dot(a, column, site)).collect()),
-            (Op::OuterProduct, 2) => {
-                let mut products = Vec::new();
-                for y in b {
-                    products.extend(a.iter().map(|x| self.two(Op::FMul, *x, *y, site)));
-                }
-                Ok(products)
-            }
-            (Op::Any, 1) => Ok(vec![self.fold(Op::LogicalOr, a, site)]),
-            (Op::All, 1) => Ok(vec![self.fold(Op::LogicalAnd, a, site)]),
-            (Op::Select, 3) => {
-                let pairs = b.iter().zip(list(2)).enumerate();
-                let select = |(k, (yes, no)): (usize, (&u32, &u32))| {
-                    let (d, on) = (self.registers(1), a.get(k).unwrap_or(&a[0]));
-                    self.act(Act::Select { d, on: *on, yes: *yes, no: *no }, site);
-                    d
-                };
-                Ok(pairs.map(select).collect())
-            }
-            (Op::VectorExtractDynamic, 2) => Ok(vec![self.pick(a, b[0], site)]),
-            (Op::VectorInsertDynamic, 3) => {
-                let index = list(2)[0];
+            (Op::VectorExtractDynamic, [a, index]) => vec![self.pick(a, index[0])],
+            (Op::VectorInsertDynamic, [a, new, index]) => {
                 let insert = |(k, old): (u32, &u32)| {
-                    let here = self.number(k);
-                    let (on, d) = (self.two(Op::IEqual, index, here, site), self.registers(1));
-                    self.act(Act::Select { d, on, yes: b[0], no: *old }, site);
-                    d
+                    let on = self.is(index[0], k);
+                    self.select(on, new[0], *old)
                 };
-                Ok((0..).zip(a).map(insert).collect())
+                (0..).zip(a).map(insert).collect()
             }
-            (Op::BitFieldInsert, 4) => Ok(self.inserted(a, b, (list(2)[0], list(3)[0]), site)),
-            _ => self.by_component(op, ty, &all, site),
-        }
+            (Op::BitFieldInsert, [base, insert, first, count]) => self.inserted(base, insert, (first[0], count[0])),
+            (_, [a, b]) if double(op).is_some() => {
+                let results =
+                    double(op).into_iter().flatten().flat_map(|f| a.iter().zip(b).map(move |(a, b)| (f, *a, *b)));
+                results.map(|(f, a, b)| self.compute(Function::Two(f), [a, b, 0])).collect()
+            }
+            _ => {
+                let f = operation(op).filter(|f| f.depends() == all.len()).ok_or_else(|| format!("it has Op{op:?}"))?;
+                self.by_component(ty, &all, |own, of| own.operate(op, f, of))?
+            }
+        })
     }
 
-    /// What is computed number by number, from one, two or three numbers, with one or two results.
-    fn by_component(&mut self, op: Op, ty: u32, all: &[(u32, Vec<u32>)], site: u32) -> Decoded<Vec<u32>> {
-        let lists: Vec<&[u32]> = all.iter().map(|(_, list)| list.as_slice()).collect();
-        if let (Some(both), [a, b]) = (double(op), &lists[..]) {
-            let pairs = || a.iter().zip(*b);
-            let results = both.into_iter().flat_map(|f| pairs().map(move |(a, b)| (f, *a, *b)));
-            return Ok(results
-                .collect::<Vec<_>>()
-                .into_iter()
-                .map(|(f, a, b)| self.function_of_two(f, a, b, site))
-                .collect());
-        }
-        let count = self.types.count(ty)? as usize;
-        // A field's place is one for all components.
-        let own = |list: &[u32], k: usize| list.get(k).or(list.first()).copied().unwrap_or_default();
-        let mut found = Vec::with_capacity(count);
-        for k in 0..count {
-            if let (Some(_), [a, b]) = (two(op), &lists[..]) {
-                found.push(self.two(op, own(a, k), own(b, k), site));
-                continue;
-            }
-            let d = self.registers(1);
-            let act = match (one(op), three(op), &lists[..]) {
-                (Some(f), _, [a]) => Act::One { f, d, a: own(a, k) },
-                (_, Some(f), [a, b, c]) => Act::Three { f, d, a: own(a, k), b: own(b, k), c: own(c, k) },
-                _ => return Err(format!("it has Op{op:?}")),
-            };
-            self.act(act, site);
-            found.push(d);
-        }
-        Ok(found)
+    /// What is computed number by number, from one, two or three numbers. A field's place is one for all components.
+    fn by_component(
+        &mut self,
+        ty: u32,
+        all: &[Vec<u32>],
+        compute: impl Fn(&mut Self, [u32; 3]) -> u32,
+    ) -> Decoded<Vec<u32>> {
+        let own = |list: &Vec<u32>, k: usize| list.get(k).or(list.first()).copied().unwrap_or_default();
+        let of = |k: usize| [0, 1, 2].map(|n| all.get(n).map_or(0, |list| own(list, k)));
+        Ok((0..self.types.count(ty)? as usize).map(|k| compute(self, of(k))).collect())
     }
 
     /// A function of GLSL.std.450.
@@ -184,145 +157,141 @@ impl Builder<'_> {
         if self.silent.contains(set) {
             return Ok(());
         }
-        let function = GLOp::from_u32(*number).filter(|_| *set == self.glsl);
-        let function = function.ok_or_else(|| format!("it has function {number} of set %{set}"))?;
-        let site = self.site(format!("{function:?}"));
+        let what = GLOp::from_u32(*number).filter(|_| *set == self.glsl);
+        let what = what.ok_or_else(|| format!("it has function {number} of set %{set}"))?;
+        self.begin(format!("{what:?}"));
         let all = of.iter().take(MOST_OPERANDS).map(|id| self.numbers(*id)).collect::<Decoded<Vec<_>>>()?;
-        let numbers = match (function, &all[..]) {
-            (GLOp::Length, [a]) => vec![self.length(a, site)],
+        let numbers = match (what, &all[..]) {
+            (GLOp::Length, [a]) => vec![self.length(a)],
             (GLOp::Distance, [a, b]) => {
-                let between = self.pairs(Op::FSub, a, b, site);
-                vec![self.length(&between, site)]
+                let between = self.pairs(Op::FSub, a, b);
+                vec![self.length(&between)]
             }
             (GLOp::Normalize, [a]) => {
-                let length = self.length(a, site);
-                a.iter().map(|x| self.two(Op::FDiv, *x, length, site)).collect()
+                let length = self.length(a);
+                a.iter().map(|x| self.two(Op::FDiv, *x, length)).collect()
             }
-            (GLOp::Cross, [a, b]) => self.cross(a, b, site),
+            (GLOp::Cross, [a, b]) => self.cross(a, b),
             (GLOp::Reflect, [i, n]) => {
                 // i - 2 (n . i) n
-                let (along, twice) = (self.dot(n, i, site), self.number(2f32.to_bits()));
-                let twice = self.two(Op::FMul, twice, along, site);
-                let part: Vec<u32> = n.iter().map(|n| self.two(Op::FMul, twice, *n, site)).collect();
-                self.pairs(Op::FSub, i, &part, site)
+                let (along, twice) = (self.dot(n, i), self.number(2f32.to_bits()));
+                let twice = self.two(Op::FMul, twice, along);
+                let part = self.scaled(n, twice);
+                self.pairs(Op::FSub, i, &part)
             }
-            _ => self.functions_of_numbers(function, ty, &all, site)?,
+            _ => {
+                let f = function(what).filter(|f| f.depends() == all.len());
+                let f = f.ok_or_else(|| format!("it has the function {what:?}"))?;
+                self.by_component(ty, &all, |own, of| own.compute(f, of))?
+            }
         };
         self.set(id, Value::Numbers(ty, numbers));
         Ok(())
     }
 
-    fn functions_of_numbers(&mut self, function: GLOp, ty: u32, all: &[Vec<u32>], site: u32) -> Decoded<Vec<u32>> {
-        let mut found = Vec::new();
-        for k in 0..self.types.count(ty)? as usize {
-            let d = self.registers(1);
-            let own = |list: &Vec<u32>| list.get(k).copied().ok_or_else(|| format!("{function:?} lacks a component"));
-            let act = match (glsl_one(function), glsl_two(function), glsl_three(function), all) {
-                (Some(f), _, _, [a]) => Act::One { f, d, a: own(a)? },
-                (_, Some(f), _, [a, b]) => Act::Two { f, d, a: own(a)?, b: own(b)? },
-                (_, _, Some(f), [a, b, c]) => Act::Three { f, d, a: own(a)?, b: own(b)?, c: own(c)? },
-                _ => return Err(format!("it has the function {function:?}")),
-            };
-            self.act(act, site);
-            found.push(d);
+    /// The register of a function of these registers. Outside of functions all numbers are known, and so is its value.
+    pub(super) fn compute(&mut self, f: Function, of: [u32; 3]) -> u32 {
+        if self.local.is_empty() {
+            return self.number(f.value(of.map(|register| self.constant(register).unwrap_or_default())));
         }
-        Ok(found)
+        let d = self.registers(1);
+        self.act(Act::Compute(f, d, of));
+        d
     }
 
-    /// The register of an operation of two numbers. A sum takes a product in one step where it may.
-    fn two(&mut self, op: Op, a: u32, b: u32, site: u32) -> u32 {
+    /// The register of an operation. A sum takes a product in one step where it may.
+    fn operate(&mut self, op: Op, function: Function, of: [u32; 3]) -> u32 {
+        let [a, b, _] = of;
         let product = |d: u32| self.products.get(&d).filter(|_| self.contracts).copied();
-        let fused: Option<(Three, (u32, u32), u32)> = match (op, product(a), product(b)) {
-            (Op::FAdd, Some(of), _) => Some((|x, y, c| f(x).mul_add(f(y), f(c)).to_bits(), of, b)),
-            (Op::FAdd, _, Some(of)) => Some((|x, y, c| f(x).mul_add(f(y), f(c)).to_bits(), of, a)),
-            (Op::FSub, Some(of), _) => Some((|x, y, c| f(x).mul_add(f(y), -f(c)).to_bits(), of, b)),
-            (Op::FSub, _, Some(of)) => Some((|x, y, c| (-f(x)).mul_add(f(y), f(c)).to_bits(), of, a)),
-            _ => None,
-        };
-        let d = match fused {
-            Some((f, (a, b), c)) => {
-                let d = self.registers(1);
-                self.act(Act::Three { f, d, a, b, c }, site);
-                d
+        let plus = Function::Three(|x, y, c| f(x).mul_add(f(y), f(c)).to_bits());
+        let (function, of) = match (op, product(a), product(b)) {
+            (Op::FAdd, Some((x, y)), _) => (plus, [x, y, b]),
+            (Op::FAdd, _, Some((x, y))) => (plus, [x, y, a]),
+            (Op::FSub, Some((x, y)), _) => (Function::Three(|x, y, c| f(x).mul_add(f(y), -f(c)).to_bits()), [x, y, b]),
+            (Op::FSub, _, Some((x, y))) => {
+                (Function::Three(|x, y, c| (-f(x)).mul_add(f(y), f(c)).to_bits()), [x, y, a])
             }
-            None => self.function_of_two(two(op).unwrap_or(|_, _| 0), a, b, site),
+            _ => (function, of),
         };
+        let d = self.compute(function, of);
         if op == Op::FMul && self.contracts {
             self.products.insert(d, (a, b));
         }
         d
     }
 
-    /// The register of a function of two numbers.
-    fn function_of_two(&mut self, f: Two, a: u32, b: u32, site: u32) -> u32 {
-        let d = self.registers(1);
-        self.act(Act::Two { f, d, a, b }, site);
-        d
+    fn two(&mut self, op: Op, a: u32, b: u32) -> u32 {
+        self.operate(op, operation(op).unwrap_or(Function::Two(|_, _| 0)), [a, b, 0])
     }
 
-    fn pairs(&mut self, op: Op, a: &[u32], b: &[u32], site: u32) -> Vec<u32> {
-        a.iter().zip(b).map(|(a, b)| self.two(op, *a, *b, site)).collect()
+    fn select(&mut self, on: u32, yes: u32, no: u32) -> u32 {
+        self.compute(Function::Select, [on, yes, no])
     }
 
-    fn fold(&mut self, op: Op, list: &[u32], site: u32) -> u32 {
-        let mut list = list.iter().copied();
-        let first = list.next().unwrap_or_default();
-        list.fold(first, |sum, x| self.two(op, sum, x, site))
+    /// Whether an index is this number.
+    fn is(&mut self, index: u32, number: u32) -> u32 {
+        let number = self.number(number);
+        self.two(Op::IEqual, index, number)
+    }
+
+    fn pairs(&mut self, op: Op, a: &[u32], b: &[u32]) -> Vec<u32> {
+        a.iter().zip(b).map(|(a, b)| self.two(op, *a, *b)).collect()
+    }
+
+    fn scaled(&mut self, a: &[u32], by: u32) -> Vec<u32> {
+        a.iter().map(|x| self.two(Op::FMul, *x, by)).collect()
+    }
+
+    fn fold(&mut self, op: Op, list: &[u32]) -> u32 {
+        list.iter().copied().reduce(|sum, x| self.two(op, sum, x)).unwrap_or_default()
     }
 
     /// A scalar product: products, and then their sum from the first to the last.
-    fn dot(&mut self, a: &[u32], b: &[u32], site: u32) -> u32 {
-        let products = self.pairs(Op::FMul, a, b, site);
-        self.fold(Op::FAdd, &products, site)
+    fn dot(&mut self, a: &[u32], b: &[u32]) -> u32 {
+        let products = self.pairs(Op::FMul, a, b);
+        self.fold(Op::FAdd, &products)
     }
 
-    fn length(&mut self, a: &[u32], site: u32) -> u32 {
-        let (square, d) = (self.dot(a, a, site), self.registers(1));
-        let f = |a: u32| f32::from_bits(a).sqrt().to_bits();
-        self.act(Act::One { f, d, a: square }, site);
-        d
+    fn length(&mut self, a: &[u32]) -> u32 {
+        let square = self.dot(a, a);
+        self.compute(Function::One(|a| f(a).sqrt().to_bits()), [square, 0, 0])
     }
 
-    fn cross(&mut self, a: &[u32], b: &[u32], site: u32) -> Vec<u32> {
+    fn cross(&mut self, a: &[u32], b: &[u32]) -> Vec<u32> {
         let at = |list: &[u32], k: usize| list.get(k % 3).copied().unwrap_or_default();
         let component = |k: usize| {
-            let plus = self.two(Op::FMul, at(a, k + 1), at(b, k + 2), site);
-            let minus = self.two(Op::FMul, at(a, k + 2), at(b, k + 1), site);
-            self.two(Op::FSub, plus, minus, site)
+            let plus = self.two(Op::FMul, at(a, k + 1), at(b, k + 2));
+            let minus = self.two(Op::FMul, at(a, k + 2), at(b, k + 1));
+            self.two(Op::FSub, plus, minus)
         };
         (0..3).map(component).collect()
     }
 
-    /// A matrix times a vector.
-    fn times(&mut self, ty: u32, matrix: &[u32], vector: &[u32], site: u32) -> Decoded<Vec<u32>> {
-        let (_, rows) = self.sides(ty)?;
+    /// A matrix of so many columns and rows times a vector.
+    fn times(&mut self, (_, rows): (usize, usize), matrix: &[u32], vector: &[u32]) -> Vec<u32> {
         let row = |row: usize| {
             let own: Vec<u32> = matrix.iter().skip(row).step_by(rows).copied().collect();
-            self.dot(&own, vector, site)
+            self.dot(&own, vector)
         };
-        Ok((0..rows).map(row).collect())
+        (0..rows).map(row).collect()
     }
 
     /// The component of a vector at an index.
-    fn pick(&mut self, vector: &[u32], index: u32, site: u32) -> u32 {
+    fn pick(&mut self, vector: &[u32], index: u32) -> u32 {
         let last = vector.last().copied().unwrap_or_default();
-        vector.iter().enumerate().rev().skip(1).fold(last, |rest, (k, own)| {
-            let here = self.number(k as u32);
-            let (on, d) = (self.two(Op::IEqual, index, here, site), self.registers(1));
-            self.act(Act::Select { d, on, yes: *own, no: rest }, site);
-            d
+        (0..vector.len() as u32).zip(vector).rev().skip(1).fold(last, |rest, (k, own)| {
+            let on = self.is(index, k);
+            self.select(on, *own, rest)
         })
     }
 
     /// Numbers with others in a field of bits: its first bit, and its length.
-    fn inserted(&mut self, base: &[u32], insert: &[u32], (first, count): (u32, u32), site: u32) -> Vec<u32> {
-        let mask = self.function_of_two(|first, count| ones(count).checked_shl(first).unwrap_or(0), first, count, site);
+    fn inserted(&mut self, base: &[u32], insert: &[u32], (first, count): (u32, u32)) -> Vec<u32> {
+        let mask: OfTwo = |first, count| ones(count).checked_shl(first).unwrap_or(0);
+        let mask = self.compute(Function::Two(mask), [first, count, 0]);
         let one = |(base, insert): (&u32, &u32)| {
-            let moved = self.two(Op::ShiftLeftLogical, *insert, first, site);
-            let d = self.registers(1);
-            let f = |base: u32, moved: u32, mask: u32| base & !mask | moved & mask;
-            self.act(Act::Three { f, d, a: *base, b: moved, c: mask }, site);
-            d
+            let moved = self.two(Op::ShiftLeftLogical, *insert, first);
+            self.compute(Function::Three(|base, moved, mask| base & !mask | moved & mask), [*base, moved, mask])
         };
         base.iter().zip(insert).map(one).collect()
     }

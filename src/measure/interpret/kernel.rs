@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::code::{Code, Site};
-use super::memory::{Memory, Part};
+use super::memory::{Launched, Part};
 use super::run::Launch;
 use super::watch::{Finding, Kind, Suspects, Watch};
 use crate::error::{Error, Result};
+use crate::gpu::words_in;
 
 /// Most blocks that a group runs.
 pub const MOST_BLOCKS: u64 = 1 << 26;
@@ -23,22 +24,6 @@ const SUBGROUPS: std::ops::RangeInclusive<u32> = 1..=128;
 pub struct Kernel {
     name: String,
     code: Code,
-}
-
-/// A dispatch of it.
-pub struct Launched<'a> {
-    /// Groups in each dimension.
-    pub groups: [u32; 3],
-    /// Push constants.
-    pub push: &'a [u8],
-    /// What is bound, by binding.
-    pub bound: &'a BTreeMap<u32, Part>,
-    /// The buffers.
-    pub memory: &'a [&'a Memory],
-    /// Invocations of a subgroup.
-    pub subgroup: u32,
-    /// Most blocks that a group runs, [`MOST_BLOCKS`]: a kernel that takes more is said not to end.
-    pub most_blocks: u64,
 }
 
 impl Kernel {
@@ -115,8 +100,7 @@ impl Kernel {
 
     fn launch(&self, launched: &Launched<'_>, watch: Option<&mut Watch<'_>>) -> Result<u64> {
         let fault = |what: String| Error::device(format!("interpreting kernel {}", self.name), what);
-        let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-        let push: Vec<u32> = launched.push.chunks_exact(4).map(word).collect();
+        let push = words_in(launched.push);
         let takes = self.code.pushed.1 as usize;
         let push = push.get(..takes).ok_or_else(|| fault(format!("it takes {takes} words of push constants")))?;
         let part = |binding: &u32| {
@@ -127,13 +111,12 @@ impl Kernel {
         if !SUBGROUPS.contains(&launched.subgroup) {
             return Err(fault(format!("subgroups of {} invocations", launched.subgroup)));
         }
-        let Launched { groups, memory, subgroup, most_blocks, .. } = *launched;
+        let groups = launched.groups;
         if groups.iter().any(|count| *count > MOST_GROUPS) {
             return Err(fault(format!(
                 "a dispatch of {groups:?} groups; it has at most {MOST_GROUPS} of each dimension"
             )));
         }
-        let launch = Launch { code: &self.code, groups, push, bound: &bound, memory, subgroup, most_blocks };
-        launch.run(watch).map_err(fault)
+        Launch { code: &self.code, asked: launched, push, bound: &bound }.run(watch).map_err(fault)
     }
 }

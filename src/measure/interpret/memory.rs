@@ -1,8 +1,7 @@
 //! The memory that kernels run on: buffers, of which a dispatch binds parts.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU32, Ordering};
-
-use super::code::Two;
 
 /// The word that stands for what a stage has yet to write: NaN as a float, far beyond any index as an integer.
 pub const POISON: u32 = 0xffc0_dead;
@@ -30,6 +29,23 @@ pub struct Part {
     pub first: usize,
     /// How many words.
     pub count: usize,
+}
+
+/// A dispatch of a kernel.
+#[derive(Clone, Copy)]
+pub struct Launched<'a> {
+    /// Groups in each dimension.
+    pub groups: [u32; 3],
+    /// Push constants.
+    pub push: &'a [u8],
+    /// What is bound, by binding.
+    pub bound: &'a BTreeMap<u32, Part>,
+    /// The buffers.
+    pub memory: &'a [&'a Memory],
+    /// Invocations of a subgroup.
+    pub subgroup: u32,
+    /// Most blocks that a group runs, [`MOST_BLOCKS`](super::MOST_BLOCKS): a kernel that takes more is said not to end.
+    pub most_blocks: u64,
 }
 
 impl Memory {
@@ -67,15 +83,9 @@ impl Memory {
         self.words[word].store(value, Ordering::Relaxed);
     }
 
-    /// Has a word changed by a function of it and the operand, in one step; returns the old word.
-    pub(super) fn apply(&self, word: usize, f: Two, operand: u32) -> u32 {
-        let new = |old| Some(f(old, operand));
-        self.words[word].fetch_update(Ordering::Relaxed, Ordering::Relaxed, new).unwrap_or_else(|old| old)
-    }
-
-    /// Writes a word if it is the one that is compared; returns the old word.
-    pub(super) fn exchange(&self, word: usize, compared: u32, value: u32) -> u32 {
-        let done = self.words[word].compare_exchange(compared, value, Ordering::Relaxed, Ordering::Relaxed);
-        done.unwrap_or_else(|old| old)
+    /// Has a word changed by this function, in one step; returns the old word.
+    pub(super) fn change(&self, word: usize, new: impl Fn(u32) -> u32) -> u32 {
+        let changed = self.words[word].fetch_update(Ordering::Relaxed, Ordering::Relaxed, |old| Some(new(old)));
+        changed.unwrap_or_else(|old| old)
     }
 }

@@ -21,7 +21,7 @@ mod types;
 mod watch;
 
 pub use code::Site;
-pub use kernel::{Kernel, Launched, MOST_BLOCKS};
-pub use memory::{Memory, POISON, Part};
+pub use kernel::{Kernel, MOST_BLOCKS};
+pub use memory::{Launched, Memory, POISON, Part};
 use watch::Suspects;
 pub use watch::{Finding, Kind};

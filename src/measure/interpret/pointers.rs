@@ -9,42 +9,40 @@ use super::types::Type;
 
 impl Builder<'_> {
     /// Decodes an instruction of memory; false if it is another one.
-    pub(super) fn memory_instruction(&mut self, op: Op, operands: &[u32], site: u32) -> Decoded<bool> {
+    pub(super) fn memory_instruction(&mut self, op: Op, operands: &[u32]) -> Decoded<bool> {
         match (op, operands) {
             (Op::Variable, [ty, id, _, initial @ ..]) => {
                 let (_, to) = self.types.pointee(*ty)?;
                 let count = self.types.count(to)?;
                 let first = self.registers(count);
-                self.act(Act::Begin { first, count }, site);
+                self.act(Act::Begin(first, count));
                 let pointer = self.pointer(*id, Root::Registers(first), to)?;
                 for value in initial {
                     for (d, a) in (first..).zip(self.numbers(*value)?) {
-                        self.act(Act::Move { d, a }, site);
+                        self.act(Act::Move(d, a));
                     }
                 }
                 self.set(*id, Value::Pointer(pointer));
             }
-            (Op::AccessChain | Op::InBoundsAccessChain, [_, id, base, path @ ..]) => {
-                let pointer = self.chain(*base, path, site)?;
-                self.set(*id, Value::Pointer(pointer));
-            }
-            (Op::CopyObject, [_, id, of]) if matches!(self.value(*of)?, Value::Pointer(_)) => {
-                let pointer = self.pointing(*of)?;
+            (Op::AccessChain | Op::InBoundsAccessChain | Op::CopyObject, [_, id, base, path @ ..])
+                if op != Op::CopyObject || self.pointing(*base).is_ok() =>
+            {
+                let pointer = self.chain(*base, path)?;
                 self.set(*id, Value::Pointer(pointer));
             }
             (Op::Load, [ty, id, from, ..]) => {
                 let from = self.pointing(*from)?;
-                let numbers = self.load(from, site)?;
+                let numbers = self.load(from)?;
                 self.set(*id, Value::Numbers(*ty, numbers));
             }
             (Op::Store, [to, value, ..]) => {
                 let (to, numbers) = (self.pointing(*to)?, self.numbers(*value)?);
-                self.store(to, numbers, site)?;
+                self.store(to, numbers)?;
             }
             (Op::CopyMemory, [to, from, ..]) => {
                 let (to, from) = (self.pointing(*to)?, self.pointing(*from)?);
-                let numbers = self.load(from, site)?;
-                self.store(to, numbers, site)?;
+                let numbers = self.load(from)?;
+                self.store(to, numbers)?;
             }
             (Op::ArrayLength, [ty, id, of, member]) => {
                 let of = self.pointing(*of)?;
@@ -52,49 +50,50 @@ impl Builder<'_> {
                 let (stride, ..) = self.types.stride(array, true)?;
                 let Root::Buffer(buffer) = of.root else { return Err("it asks for the length of no buffer".into()) };
                 let d = self.registers(1);
-                self.act(Act::Length { d, buffer, first, stride: stride.max(1) }, site);
+                self.act(Act::Length(d, buffer, [first, stride.max(1)]));
                 self.set(*id, Value::Numbers(*ty, vec![d]));
             }
-            _ => return self.atomic_instruction(op, operands, site),
+            _ => return self.atomic_instruction(op, operands),
         }
         Ok(true)
     }
 
-    fn atomic_instruction(&mut self, op: Op, operands: &[u32], site: u32) -> Decoded<bool> {
-        let (result, pointer, semantics, change, operand) = match (op, operands) {
-            (Op::AtomicStore, [pointer, _, semantics, value]) => {
-                (None, *pointer, *semantics, Change::Store, self.single(*value)?)
-            }
-            (Op::AtomicLoad, [ty, id, pointer, _, semantics]) => {
-                (Some((*ty, *id)), *pointer, *semantics, Change::Load, self.number(0))
-            }
-            (Op::AtomicCompareExchange, [ty, id, pointer, _, semantics, unequal, value, compared]) => {
-                let with = self.single(*compared)?;
-                let change = Change::Compare { with, unequal: self.known_number(*unequal)? };
-                (Some((*ty, *id)), *pointer, *semantics, change, self.single(*value)?)
-            }
-            (op, [ty, id, pointer, _, semantics, value @ ..]) => {
-                let Some(f) = atomic(op) else { return Ok(false) };
-                let operand = match value.first() {
-                    Some(value) => self.single(*value)?,
-                    None => self.number(1),
-                };
-                (Some((*ty, *id)), *pointer, *semantics, Change::Apply(f), operand)
-            }
+    fn atomic_instruction(&mut self, op: Op, operands: &[u32]) -> Decoded<bool> {
+        // The result's type and id, the pointer, the semantics, and other operands.
+        let (result, [pointer, _, semantics, of @ ..]) = (match (op, operands) {
+            (Op::AtomicStore, rest) => (None, rest),
+            (_, [ty, id, rest @ ..]) => (Some((*ty, *id)), rest),
             _ => return Ok(false),
+        }) else {
+            return Ok(false);
+        };
+        let (change, operand) = match (op, of) {
+            (Op::AtomicStore, [value]) => (Change::Store, Some(value)),
+            (Op::AtomicLoad, []) => (Change::Load, None),
+            (Op::AtomicCompareExchange, [unequal, value, compared]) => {
+                let (with, unequal) = (self.single(*compared)?, self.known_number(*unequal)?);
+                (Change::Compare { with, unequal }, Some(value))
+            }
+            (op, of) => match atomic(op) {
+                Some(f) => (Change::Apply(f), of.first()),
+                None => return Ok(false),
+            },
+        };
+        let operand = match operand {
+            Some(value) => self.single(*value)?,
+            None => self.number(1),
         };
         let d = self.registers(1);
-        let semantics = self.known_number(semantics)?;
+        let semantics = self.known_number(*semantics)?;
         if let Some((ty, id)) = result {
             self.code.ordered |= self.taken.contains(&id);
             self.set(id, Value::Numbers(ty, vec![d]));
         }
-        let pointer = self.pointing(pointer)?;
+        let pointer = self.pointing(*pointer)?;
         if !matches!(self.types.get(pointer.ty)?, Type::Int | Type::Float) {
             return Err(format!("it has Op{op:?} on what is no number"));
         }
-        self.code.atomics.push(Atomic { pointer, d, a: operand, change, semantics });
-        self.act(Act::Atomic(self.code.atomics.len() as u32 - 1), site);
+        self.act(Act::Atomic(Box::new(Atomic { pointer, d, a: operand, change, semantics })));
         Ok(true)
     }
 
@@ -104,7 +103,7 @@ impl Builder<'_> {
     }
 
     /// The pointer to a part of what another one points to.
-    fn chain(&mut self, base: u32, path: &[u32], site: u32) -> Decoded<Pointer> {
+    fn chain(&mut self, base: u32, path: &[u32]) -> Decoded<Pointer> {
         let mut pointer = self.pointing(base)?;
         // Push constants have registers for all words of their memory.
         let laid = self.is_laid(&pointer);
@@ -129,8 +128,7 @@ impl Builder<'_> {
         }
         if !terms.is_empty() {
             let d = self.registers(1);
-            self.code.chains.push(Chain { d, base: pointer.rest, terms });
-            self.act(Act::Chain(self.code.chains.len() as u32 - 1), site);
+            self.act(Act::Chain(Box::new(Chain { d, base: pointer.rest, terms })));
             pointer.rest = Some(d);
         }
         Ok(pointer)
@@ -147,12 +145,11 @@ impl Builder<'_> {
     }
 
     fn is_input(&self, pointer: &Pointer) -> bool {
-        let own = |first: u32| pointer.root == Root::Registers(first);
-        self.code.inputs.iter().any(|(_, first)| own(*first))
+        self.code.inputs.iter().any(|(_, first, _)| pointer.root == Root::Registers(*first))
     }
 
     /// The registers of what a pointer points to, once that is loaded.
-    fn load(&mut self, pointer: Pointer, site: u32) -> Decoded<Vec<u32>> {
+    fn load(&mut self, pointer: Pointer) -> Decoded<Vec<u32>> {
         let words = self.types.words(pointer.ty, self.is_laid(&pointer))?;
         if let (Root::Registers(first), None) = (pointer.root, pointer.rest) {
             let own: Vec<u32> = words.iter().map(|word| first + pointer.fixed + word).collect();
@@ -162,7 +159,7 @@ impl Builder<'_> {
             }
             let moved = |a: u32| {
                 let d = self.registers(1);
-                self.act(Act::Move { d, a }, site);
+                self.act(Act::Move(d, a));
                 d
             };
             return Ok(own.into_iter().map(moved).collect());
@@ -170,42 +167,36 @@ impl Builder<'_> {
         let first = self.registers(words.len() as u32);
         let registers: Vec<u32> = (first..).take(words.len()).collect();
         let access = self.access(pointer, registers.clone(), words);
-        self.code.accesses.push(access);
-        self.act(Act::Load(self.code.accesses.len() as u32 - 1), site);
+        self.act(Act::Load(access));
         Ok(registers)
     }
 
-    fn store(&mut self, pointer: Pointer, numbers: Vec<u32>, site: u32) -> Decoded<()> {
+    fn store(&mut self, pointer: Pointer, numbers: Vec<u32>) -> Decoded<()> {
         let words = self.types.words(pointer.ty, self.is_laid(&pointer))?;
         if let (Root::Registers(first), None) = (pointer.root, pointer.rest) {
             for (word, a) in words.iter().zip(numbers) {
-                self.act(Act::Move { d: first + pointer.fixed + word, a }, site);
+                self.act(Act::Move(first + pointer.fixed + word, a));
             }
             return Ok(());
         }
         let access = self.access(pointer, numbers, words);
-        self.code.accesses.push(access);
-        self.act(Act::Store(self.code.accesses.len() as u32 - 1), site);
+        self.act(Act::Store(access));
         Ok(())
     }
 
-    fn access(&mut self, pointer: Pointer, registers: Vec<u32>, words: Vec<u32>) -> Access {
+    fn access(&mut self, pointer: Pointer, registers: Vec<u32>, words: Vec<u32>) -> Box<Access> {
         self.made += words.len();
         let (plain, floats) = (!self.types.is_composite(pointer.ty), self.types.is_float(pointer.ty));
-        Access { pointer, registers, words, plain, floats }
+        Box::new(Access { pointer, registers, words, plain, floats })
     }
 
     /// Decodes an instruction of a group or a subgroup; false if it is another one.
-    pub(super) fn group_instruction(&mut self, op: Op, operands: &[u32], site: u32) -> Decoded<bool> {
+    pub(super) fn group_instruction(&mut self, op: Op, operands: &[u32]) -> Decoded<bool> {
         match (op, operands) {
-            (Op::ControlBarrier, [scope, _, semantics]) => {
+            (Op::ControlBarrier, [scope, .., semantics]) | (Op::MemoryBarrier, [scope, semantics]) => {
                 let (scope, semantics) = (self.known_number(*scope)?, self.known_number(*semantics)?);
-                self.act(Act::Barrier { scope, semantics }, site);
-                return Ok(true);
-            }
-            (Op::MemoryBarrier, [scope, semantics]) => {
-                let (scope, semantics) = (self.known_number(*scope)?, self.known_number(*semantics)?);
-                self.act(Act::Fence { scope, semantics }, site);
+                let waits = op == Op::ControlBarrier;
+                self.act(if waits { Act::Barrier(scope, semantics) } else { Act::Fence(scope, semantics) });
                 return Ok(true);
             }
             _ => {}
@@ -222,17 +213,13 @@ impl Builder<'_> {
         if value.is_empty() && !matches!(kind, Exchange::Elect) {
             return Err(format!("it has Op{op:?} without a value"));
         }
-        let count = self.types.count(*ty)?;
-        let first = self.registers(count);
-        let d: Vec<u32> = (first..first + count).collect();
-        if whole {
-            self.code.teams.push(Team { kind, d: d.clone(), a: value, b: operand });
-            self.act(Act::Team(self.code.teams.len() as u32 - 1), site);
-        } else {
-            for (d, a) in d.iter().zip(value) {
-                self.code.teams.push(Team { kind, d: vec![*d], a: vec![a], b: operand });
-                self.act(Act::Team(self.code.teams.len() as u32 - 1), site);
-            }
+        let d = self.new_value(*ty)?;
+        let teams = match whole {
+            true => vec![(d.clone(), value)],
+            false => d.iter().zip(value).map(|(d, a)| (vec![*d], vec![a])).collect(),
+        };
+        for (d, a) in teams {
+            self.act(Act::Team(Box::new(Team { kind, d, a, b: operand })));
         }
         self.set(*id, Value::Numbers(*ty, d));
         Ok(true)

@@ -6,24 +6,21 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 use spirq::spirv::BuiltIn;
 
-use super::code::{Access, Act, Atomic, BEYOND, Block, Change, Code, Decoded, Edge, End, Exchange, Pointer, Root};
-use super::memory::{Memory, Part, UNDEFINED, UNDEFINED_SHARED, is_undefined};
+use super::code::{
+    Access, Act, Atomic, BEYOND, Block, Change, Code, Decoded, Edge, End, Exchange, Function, Pointer, Root,
+};
+use super::memory::{Launched, Part, UNDEFINED, UNDEFINED_SHARED, is_undefined};
 use super::pointers::rest;
 use super::watch::{Touch, Watch};
 
-/// A dispatch.
+/// A dispatch of a kernel.
 pub(super) struct Launch<'a> {
     pub(super) code: &'a Code,
-    pub(super) groups: [u32; 3],
+    pub(super) asked: &'a Launched<'a>,
     /// Push constants: as many words as the kernel takes.
     pub(super) push: &'a [u32],
     /// What is bound for each buffer of the kernel.
     pub(super) bound: &'a [Part],
-    pub(super) memory: &'a [&'a Memory],
-    /// Invocations of a subgroup.
-    pub(super) subgroup: u32,
-    /// Most blocks that a group runs: a kernel that takes more is said not to end.
-    pub(super) most_blocks: u64,
 }
 
 /// A word that an invocation accesses.
@@ -41,9 +38,10 @@ impl Launch<'_> {
     /// Runs it; returns how many instructions of SPIR-V invocations have executed together.
     pub(super) fn run(&self, watch: Option<&mut Watch<'_>>) -> Decoded<u64> {
         let most = u64::from(u32::MAX / self.code.group.iter().product::<u32>());
-        let count = self.groups.iter().try_fold(1u64, |all, count| all.checked_mul(u64::from(*count)));
-        let count =
-            count.filter(|count| *count <= most).ok_or_else(|| format!("{:?} groups are too many", self.groups))?;
+        let count = self.asked.groups.iter().try_fold(1u64, |all, count| all.checked_mul(u64::from(*count)));
+        let count = count
+            .filter(|count| *count <= most)
+            .ok_or_else(|| format!("{:?} groups are too many", self.asked.groups))?;
         if watch.is_some() || self.code.ordered || count < 2 {
             let mut group = Group::new(self, watch);
             (0..count).try_for_each(|number| group.run(number))?;
@@ -119,35 +117,26 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
 
     /// Gives the built-in values of the group of this number.
     fn inputs(&mut self, number: u64) {
-        let Launch { code, groups, subgroup, .. } = self.launch;
-        let (groups, subgroup, size) = (*groups, *subgroup, code.group);
+        let (code, Launched { groups, subgroup, .. }) = (self.launch.code, *self.launch.asked);
         let [x, y] = [groups[0], groups[1]].map(u64::from);
         let group = [number % x, number / x % y, number / (x * y)].map(|k| k as u32);
-        let local = move |lane: u32, k: usize| match k {
-            0 => lane % size[0],
-            1 => lane / size[0] % size[1],
-            _ => lane / (size[0] * size[1]),
-        };
-        let lanes = self.lanes as u32;
-        for (input, first) in &code.inputs {
-            let [first, second, third] = [*first, first + 1, first + 2];
-            let three = [first, second, third].into_iter().zip(0..3);
-            match BuiltIn::from_u32(*input) {
-                Some(BuiltIn::WorkgroupId) => three.for_each(|(to, k)| self.fill(to, |_| group[k])),
-                Some(BuiltIn::NumWorkgroups) => three.for_each(|(to, k)| self.fill(to, |_| groups[k])),
-                Some(BuiltIn::LocalInvocationId) => three.for_each(|(to, k)| self.fill(to, |lane| local(lane, k))),
-                Some(BuiltIn::GlobalInvocationId) => {
-                    three.for_each(|(to, k)| self.fill(to, |lane| group[k] * size[k] + local(lane, k)));
-                }
-                Some(BuiltIn::LocalInvocationIndex) => self.fill(first, |lane| lane),
-                Some(BuiltIn::SubgroupId) => self.fill(first, |lane| lane / subgroup),
-                Some(BuiltIn::SubgroupLocalInvocationId) => self.fill(first, |lane| lane % subgroup),
-                Some(BuiltIn::SubgroupSize) => self.fill(first, |_| subgroup),
-                Some(BuiltIn::NumSubgroups) => self.fill(first, |_| lanes.div_ceil(subgroup)),
-                // What is left are masks of a subgroup, of which the kernel was checked to have no others.
-                other => (first..first + 4).zip(0..).for_each(|(to, word)| {
-                    self.fill(to, |lane| mask(other, lane % subgroup, subgroup, word));
-                }),
+        let (size, lanes) = (code.group, self.lanes as u32);
+        let local = |lane: u32| [lane % size[0], lane / size[0] % size[1], lane / (size[0] * size[1])];
+        for (input, first, count) in &code.inputs {
+            for (to, k) in (*first..).zip(0..*count as usize) {
+                self.fill(to, |lane| match input {
+                    BuiltIn::WorkgroupId => group[k],
+                    BuiltIn::NumWorkgroups => groups[k],
+                    BuiltIn::LocalInvocationId => local(lane)[k],
+                    BuiltIn::GlobalInvocationId => group[k] * size[k] + local(lane)[k],
+                    BuiltIn::LocalInvocationIndex => lane,
+                    BuiltIn::SubgroupId => lane / subgroup,
+                    BuiltIn::SubgroupLocalInvocationId => lane % subgroup,
+                    BuiltIn::SubgroupSize => subgroup,
+                    BuiltIn::NumSubgroups => lanes.div_ceil(subgroup),
+                    // What is left are masks of a subgroup, of which the kernel was checked to have no others.
+                    mask => mask_word(*mask, lane % subgroup, subgroup, k as u32),
+                });
             }
         }
     }
@@ -169,16 +158,16 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
             self.executed += block.length * lanes.len() as u64;
             for (act, at) in block.acts.iter().zip(&block.at) {
                 if self.watch.is_some() {
-                    self.inspect(*act, *at, &lanes);
+                    self.inspect(act, *at, &lanes);
                 }
-                self.execute(*act, *at, &lanes);
+                self.execute(act, *at, &lanes);
                 if self.watch.is_some() {
-                    self.spread(*act, &lanes);
+                    self.spread(act, &lanes);
                 }
             }
             self.end(block, lanes);
             blocks += 1;
-            if blocks == self.launch.most_blocks {
+            if blocks == self.launch.asked.most_blocks {
                 self.waiting.clear();
                 return Err(format!("group {number} did not end within {blocks} blocks"));
             }
@@ -187,40 +176,25 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
     }
 
     /// Sends invocations to the blocks where they go on.
-    fn end(&mut self, block: &Block, lanes: Lanes) {
-        let end_at = block.at.last().copied().unwrap_or_default();
-        match &block.end {
-            End::Return => self.spare.push(lanes),
-            End::Jump(edge) => self.go(edge, lanes),
-            End::Branch { on, yes, no } => {
-                self.check(*on, end_at, &lanes);
-                let (mut taken, mut rest) = (self.list(), lanes);
-                rest.retain(|lane| {
-                    let stays = self.registers[*on as usize * self.lanes + *lane as usize] == 0;
-                    if !stays {
-                        taken.push(*lane);
-                    }
-                    stays
-                });
-                self.go(yes, taken);
-                self.go(no, rest);
-            }
-            End::Switch { on, cases, otherwise } => {
-                self.check(*on, end_at, &lanes);
-                let mut rest = lanes;
-                for (value, edge) in cases {
-                    let mut taken = self.list();
-                    rest.retain(|lane| {
-                        let takes = self.registers[*on as usize * self.lanes + *lane as usize] == *value;
-                        if takes {
-                            taken.push(*lane);
-                        }
-                        !takes
-                    });
-                    self.go(edge, taken);
+    fn end(&mut self, block: &Block, mut lanes: Lanes) {
+        let End { on, cases, otherwise } = &block.end;
+        if !cases.is_empty() {
+            self.check(*on, block.at.last().copied().unwrap_or_default(), &lanes);
+        }
+        for (value, edge) in cases {
+            let mut taken = self.list();
+            lanes.retain(|lane| {
+                let takes = self.registers[*on as usize * self.lanes + *lane as usize] == *value;
+                if takes {
+                    taken.push(*lane);
                 }
-                self.go(otherwise, rest);
-            }
+                !takes
+            });
+            self.go(edge, taken);
+        }
+        match otherwise {
+            Some(edge) => self.go(edge, lanes),
+            None => self.spare.push(lanes),
         }
     }
 
@@ -250,45 +224,32 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
     }
 
     fn copy(&mut self, d: u32, a: u32, lanes: &[u16]) {
-        let (d, a) = (d as usize * self.lanes, a as usize * self.lanes);
-        for lane in lanes {
-            self.registers[d + *lane as usize] = self.registers[a + *lane as usize];
+        let a = a as usize * self.lanes;
+        self.put(d, lanes, |own, lane| own[a + lane]);
+    }
+
+    /// Gives these invocations a value in this register, which depends on all registers and the invocation.
+    fn put(&mut self, d: u32, lanes: &[u16], value: impl Fn(&[u32], usize) -> u32) {
+        let d = d as usize * self.lanes;
+        for lane in lanes.iter().map(|lane| *lane as usize) {
+            self.registers[d + lane] = value(&self.registers, lane);
         }
     }
 
     /// Executes an instruction for these invocations.
-    fn execute(&mut self, act: Act, at: u32, lanes: &[u16]) {
-        let code = self.launch.code;
-        let first = |register: u32| register as usize * self.lanes;
-        match act {
-            Act::One { f, d, a } => {
-                let (d, a) = (first(d), first(a));
-                for lane in lanes.iter().map(|lane| *lane as usize) {
-                    self.registers[d + lane] = f(self.registers[a + lane]);
+    fn execute(&mut self, act: &Act, at: u32, lanes: &[u16]) {
+        match *act {
+            Act::Compute(f, d, of) => {
+                let [a, b, c] = of.map(|register| register as usize * self.lanes);
+                match f {
+                    Function::One(f) => self.put(d, lanes, |own, lane| f(own[a + lane])),
+                    Function::Two(f) => self.put(d, lanes, |own, lane| f(own[a + lane], own[b + lane])),
+                    Function::Three(f) => self.put(d, lanes, |own, k| f(own[a + k], own[b + k], own[c + k])),
+                    Function::Select => self.put(d, lanes, |own, k| own[if own[a + k] == 0 { c } else { b } + k]),
                 }
             }
-            Act::Two { f, d, a, b } => {
-                let (d, a, b) = (first(d), first(a), first(b));
-                for lane in lanes.iter().map(|lane| *lane as usize) {
-                    self.registers[d + lane] = f(self.registers[a + lane], self.registers[b + lane]);
-                }
-            }
-            Act::Three { f, d, a, b, c } => {
-                let (d, a, b, c) = (first(d), first(a), first(b), first(c));
-                for lane in lanes.iter().map(|lane| *lane as usize) {
-                    let own = |from: usize| self.registers[from + lane];
-                    self.registers[d + lane] = f(own(a), own(b), own(c));
-                }
-            }
-            Act::Move { d, a } => self.copy(d, a, lanes),
-            Act::Select { d, on, yes, no } => {
-                for lane in lanes {
-                    let from = if self.get(on, *lane) == 0 { no } else { yes };
-                    self.set(d, *lane, self.get(from, *lane));
-                }
-            }
-            Act::Chain(chain) => {
-                let chain = &code.chains[chain as usize];
+            Act::Move(d, a) => self.copy(d, a, lanes),
+            Act::Chain(ref chain) => {
                 for lane in lanes {
                     let base = chain.base.map_or(0, |base| self.get(base, *lane));
                     let terms =
@@ -297,21 +258,21 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                     self.set(chain.d, *lane, found);
                 }
             }
-            Act::Load(access) => self.load(&code.accesses[access as usize], at, lanes),
-            Act::Store(access) => self.store(&code.accesses[access as usize], at, lanes),
-            Act::Atomic(atomic) => self.atomic(&code.atomics[atomic as usize], at, lanes),
-            Act::Length { d, buffer, first, stride } => {
+            Act::Load(ref access) => self.load(access, at, lanes),
+            Act::Store(ref access) => self.store(access, at, lanes),
+            Act::Atomic(ref atomic) => self.atomic(atomic, at, lanes),
+            Act::Length(d, buffer, [first, stride]) => {
                 let words = self.launch.bound[buffer as usize].count as u32;
                 lanes.iter().for_each(|lane| self.set(d, *lane, words.saturating_sub(first) / stride));
             }
-            Act::Barrier { scope, semantics } => {
+            Act::Barrier(scope, semantics) => {
                 self.watch.iter_mut().for_each(|watch| watch.barrier(scope, semantics, lanes, at));
             }
-            Act::Fence { scope, semantics } => {
+            Act::Fence(scope, semantics) => {
                 self.watch.iter_mut().for_each(|watch| watch.fence(scope, semantics, lanes));
             }
-            Act::Team(team) => self.exchange(&code.teams[team as usize], at, lanes),
-            Act::Begin { first, count } => {
+            Act::Team(ref team) => self.exchange(team, at, lanes),
+            Act::Begin(first, count) => {
                 for register in first..first + count {
                     lanes.iter().for_each(|lane| self.set(register, *lane, UNDEFINED));
                 }
@@ -333,7 +294,7 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
         match pointer.root {
             Root::Buffer(buffer) => {
                 let Part { memory, first, count } = self.launch.bound[buffer as usize];
-                let within = word < count && first + word < self.launch.memory[memory].len();
+                let within = word < count && first + word < self.launch.asked.memory[memory].len();
                 within.then_some(Place::Buffer { memory, word: first + word })
             }
             Root::Shared(first) => {
@@ -362,7 +323,7 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
 
     fn read(&self, place: Place) -> u32 {
         match place {
-            Place::Buffer { memory, word } => self.launch.memory[memory].get(word),
+            Place::Buffer { memory, word } => self.launch.asked.memory[memory].get(word),
             Place::Shared(word) => self.shared[word],
             Place::Register(register) => self.registers[register],
         }
@@ -387,7 +348,7 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                 let value = self.get(*register, *lane);
                 match self.touched(&access.pointer, (*offset, Touch::Write), at, *lane) {
                     Some(Place::Buffer { memory, word }) => {
-                        self.launch.memory[memory].set(word, value);
+                        self.launch.asked.memory[memory].set(word, value);
                         if let Some(watch) = &mut self.watch {
                             watch.stored(value, access.floats, (memory, word), (*lane, at));
                         }
@@ -419,33 +380,16 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
                 self.set(atomic.d, *lane, 0);
                 continue;
             };
+            let new = |old: u32| match atomic.change {
+                Change::Store => operand,
+                Change::Apply(f) => f(old, operand),
+                Change::Compare { .. } if old == compared => operand,
+                Change::Load | Change::Compare { .. } => old,
+            };
             let old = match place {
-                Place::Buffer { memory, word } => {
-                    let memory = self.launch.memory[memory];
-                    match atomic.change {
-                        Change::Load => memory.get(word),
-                        Change::Store => memory.apply(word, |_, new| new, operand),
-                        Change::Apply(f) => memory.apply(word, f, operand),
-                        Change::Compare { .. } => memory.exchange(word, compared, operand),
-                    }
-                }
-                Place::Shared(at) | Place::Register(at) => {
-                    let words = if matches!(place, Place::Shared(_)) { &mut self.shared } else { &mut self.registers };
-                    let old = words[at];
-                    words[at] = match atomic.change {
-                        Change::Load => old,
-                        Change::Store => operand,
-                        Change::Apply(f) => f(old, operand),
-                        Change::Compare { .. } => {
-                            if old == compared {
-                                operand
-                            } else {
-                                old
-                            }
-                        }
-                    };
-                    old
-                }
+                Place::Buffer { memory, word } => self.launch.asked.memory[memory].change(word, new),
+                Place::Shared(at) => changed(&mut self.shared[at], new),
+                Place::Register(at) => changed(&mut self.registers[at], new),
             };
             self.set(atomic.d, *lane, old);
             if let (Some(watch), Touch::Atomic { reads: true, .. }) = (&mut self.watch, touch) {
@@ -456,24 +400,21 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
     }
 
     /// Tells the watch of values that nothing wrote which an instruction is about to store or to go by.
-    fn inspect(&mut self, act: Act, at: u32, lanes: &[u16]) {
-        let code = self.launch.code;
+    fn inspect(&mut self, act: &Act, at: u32, lanes: &[u16]) {
         match act {
             Act::Chain(chain) => {
-                code.chains[chain as usize].terms.iter().for_each(|(index, ..)| self.check(*index, at, lanes));
+                chain.terms.iter().for_each(|(index, ..)| self.check(*index, at, lanes));
             }
-            Act::Store(access) if code.accesses[access as usize].plain => {
-                code.accesses[access as usize].registers.iter().for_each(|own| self.check(*own, at, lanes));
+            Act::Store(access) if access.plain => {
+                access.registers.iter().for_each(|own| self.check(*own, at, lanes));
             }
             Act::Atomic(atomic) => {
-                let atomic = &code.atomics[atomic as usize];
                 self.check(atomic.a, at, lanes);
                 if let Change::Compare { with, .. } = atomic.change {
                     self.check(with, at, lanes);
                 }
             }
             Act::Team(team) => {
-                let team = &code.teams[team as usize];
                 // What is taken, or becomes a part of a sum, is none in the result.
                 let carried = matches!(team.kind, Exchange::Take(_) | Exchange::First | Exchange::Fold(..));
                 let decides = team.a.iter().filter(|_| !carried);
@@ -484,15 +425,10 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
     }
 
     /// What is computed from a value that nothing wrote is none either.
-    fn spread(&mut self, act: Act, lanes: &[u16]) {
-        let (d, from) = match act {
-            Act::One { d, a, .. } | Act::Select { d, on: a, .. } => (d, [a; 3]),
-            Act::Two { d, a, b, .. } => (d, [a, b, b]),
-            Act::Three { d, a, b, c, .. } => (d, [a, b, c]),
-            _ => return,
-        };
+    fn spread(&mut self, act: &Act, lanes: &[u16]) {
+        let Act::Compute(f, d, of) = *act else { return };
         for lane in lanes {
-            let none = from.map(|register| self.get(register, *lane)).into_iter().find(|word| is_undefined(*word));
+            let none = of[..f.depends()].iter().map(|own| self.get(*own, *lane)).find(|word| is_undefined(*word));
             none.into_iter().for_each(|word| self.set(d, *lane, word));
         }
     }
@@ -509,13 +445,19 @@ impl<'a, 'w, 'c> Group<'a, 'w, 'c> {
     }
 }
 
+/// Changes a word; returns the old one.
+fn changed(word: &mut u32, new: impl Fn(u32) -> u32) -> u32 {
+    let new = new(*word);
+    std::mem::replace(word, new)
+}
+
 /// A word of a mask of the invocations of a subgroup that are, seen from one of them, before or after it.
-fn mask(input: Option<BuiltIn>, own: u32, size: u32, word: u32) -> u32 {
+fn mask_word(input: BuiltIn, own: u32, size: u32, word: u32) -> u32 {
     let fits = |bit: u32| match input {
-        Some(BuiltIn::SubgroupEqMask) => bit == own,
-        Some(BuiltIn::SubgroupGeMask) => bit >= own,
-        Some(BuiltIn::SubgroupGtMask) => bit > own,
-        Some(BuiltIn::SubgroupLeMask) => bit <= own,
+        BuiltIn::SubgroupEqMask => bit == own,
+        BuiltIn::SubgroupGeMask => bit >= own,
+        BuiltIn::SubgroupGtMask => bit > own,
+        BuiltIn::SubgroupLeMask => bit <= own,
         _ => bit < own,
     };
     (0..32).filter(|k| 32 * word + k < size && fits(32 * word + k)).fold(0, |mask, k| mask | 1 << k)

@@ -10,8 +10,8 @@ use super::memory::is_undefined;
 use super::{Finding, Kernel, Launched, MOST_BLOCKS, Memory, Part, Suspects};
 use crate::error::{Error, Result};
 use crate::gpu::count::{BINDING, Block, Counted, Tally, counted};
-use crate::gpu::{KernelKey, most_lanes, set_by_device, spirv};
-use crate::layout::{BUFFER_IDS, BufferId, GROUPS_A_ROW, MOST_LANES};
+use crate::gpu::{KernelKey, most_lanes, set_by_device, words_of};
+use crate::layout::{BUFFER_IDS, BufferId, GROUPS_A_ROW, MOST_LANES, MOST_WIDE, WIDE_ID};
 use crate::state::{Call, Groups, State, Step, Width, requested};
 
 /// Invocations that share an item, in kernels that can.
@@ -24,6 +24,8 @@ pub const SUBGROUP: u32 = 32;
 pub struct Settings {
     /// Invocations that share an item, in kernels that can.
     pub lanes: u32,
+    /// Invocations of a group that goes through all elements alone, where items are shared; at most [`MOST_WIDE`].
+    pub wide: u32,
     /// Invocations of a subgroup.
     pub subgroup: u32,
     /// Whether kernels count what they do, as on a device.
@@ -34,11 +36,17 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { lanes: LANES, subgroup: SUBGROUP, counts: false, contracts: false }
+        Self { lanes: LANES, wide: LANES, subgroup: SUBGROUP, counts: false, contracts: false }
     }
 }
 
 impl Settings {
+    /// Those of a GPU, with kernels that count what they do.
+    #[must_use]
+    pub fn counting() -> Self {
+        Self { wide: MOST_WIDE, counts: true, ..Self::default() }
+    }
+
     /// The width of the device that this makes.
     #[must_use]
     pub fn width(self) -> Width {
@@ -105,6 +113,12 @@ impl Interpreter {
     /// The kernels that do not come from the build.
     pub fn replaced(&self) -> impl Iterator<Item = &str> {
         self.replaced.keys().map(String::as_str)
+    }
+
+    /// The kernels that were asked to run.
+    #[must_use]
+    pub fn asked(&self) -> BTreeSet<String> {
+        self.prepared.borrow().keys().map(|key| key.name.clone()).collect()
     }
 
     /// Runs a step's dispatches on copies of the state's buffers; if they are `watched`, finds what is wrong.
@@ -176,13 +190,13 @@ impl Interpreter {
         }
         let words = match self.replaced.get(name) {
             Some(words) => words.clone(),
-            None => {
-                let missing = || Error::device(format!("looking for kernel {name}"), "no such shader was built");
-                let word = |b: &[u8]| u32::from_le_bytes([b[0], b[1], b[2], b[3]]);
-                spirv(name).ok_or_else(missing)?.chunks_exact(4).map(word).collect()
-            }
+            None => words_of(name)?,
         };
-        let shape = set_by_device(name, &words, self.settings.lanes.min(most_lanes(name)));
+        let shape = |lanes: u32| set_by_device(name, &words, lanes);
+        let shape = match shape(self.settings.lanes.min(most_lanes(name))) {
+            own if matches!(own[..], [_, (WIDE_ID, _)]) => shape(self.settings.wide),
+            own => own,
+        };
         let counted = if self.settings.counts { counted(&words) } else { None };
         let (words, counting) = counted.map_or((words, None), |own| (own.words, Some(own.blocks)));
         let special = (0..).zip(constants.iter().copied()).chain(shape.iter().copied()).collect();

@@ -7,7 +7,7 @@ use super::run::Group;
 impl Group<'_, '_, '_> {
     /// Executes an operation of subgroups for these invocations of the group.
     pub(super) fn exchange(&mut self, team: &Team, at: u32, lanes: &[u16]) {
-        let size = self.launch.subgroup as u16;
+        let size = self.launch.asked.subgroup as u16;
         let mut rest = lanes;
         while let Some(first) = rest.first() {
             let number = first / size;
@@ -20,10 +20,11 @@ impl Group<'_, '_, '_> {
 
     /// The same for those of one subgroup, whose first invocation has this number in the group.
     fn in_subgroup(&mut self, team: &Team, at: u32, lanes: &[u16], first: u16) {
-        let size = self.launch.subgroup as u16;
+        let size = self.launch.asked.subgroup as u16;
         let whole = lanes.len() == usize::from(size.min(self.lanes as u16 - first));
         if !whole && !matches!(team.kind, Exchange::Take(_)) {
-            self.watch.iter_mut().for_each(|watch| watch.parted(lanes[0], at));
+            let does = "is at an operation of its subgroup without others";
+            self.watch.iter_mut().for_each(|watch| watch.diverges(lanes[0], at, |_| does.into()));
         }
         let results: Vec<[u32; 4]> = lanes.iter().map(|lane| self.result(team, at, *lane, (lanes, first))).collect();
         for (lane, result) in lanes.iter().zip(results) {
@@ -35,7 +36,7 @@ impl Group<'_, '_, '_> {
 
     /// What an invocation gets.
     fn result(&mut self, team: &Team, at: u32, lane: u16, (lanes, first): (&[u16], u16)) -> [u32; 4] {
-        let size = self.launch.subgroup;
+        let size = self.launch.asked.subgroup;
         let own = u32::from(lane - first);
         let operand = team.b.map(|register| self.get(register, lane));
         if let Exchange::Take(from) = team.kind {
@@ -43,7 +44,8 @@ impl Group<'_, '_, '_> {
             let there = u16::try_from(from).ok().and_then(|from| first.checked_add(from));
             let there = there.filter(|there| from < size && lanes.binary_search(there).is_ok());
             if there.is_none() {
-                self.watch.iter_mut().for_each(|watch| watch.absent(lane, from, at));
+                let does = format!("takes a value from lane {from} of its subgroup, which is not there");
+                self.watch.iter_mut().for_each(|watch| watch.diverges(lane, at, |_| does.clone()));
             }
             return [self.get(team.a[0], there.unwrap_or(lane)), 0, 0, 0];
         }

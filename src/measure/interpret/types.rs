@@ -69,8 +69,8 @@ impl Types {
         self.decorations.get(&(id, Some(member), what as u32)).copied()
     }
 
-    /// Declares a type; `value` is the number that a constant has.
-    pub(super) fn declare(&mut self, op: Op, operands: &[u32], value: impl Fn(u32) -> Decoded<u32>) -> Decoded<()> {
+    /// Declares a type; `length` is that of an array.
+    pub(super) fn declare(&mut self, op: Op, operands: &[u32], length: Decoded<u32>) -> Decoded<()> {
         let &[id, ref parts @ ..] = operands else { return Err("a type has no id".into()) };
         let declared = match (op, parts) {
             (Op::TypeVoid, _) => Type::Void,
@@ -80,7 +80,7 @@ impl Types {
             (Op::TypeInt | Op::TypeFloat, [bits, ..]) => return Err(format!("it has numbers of {bits} bits")),
             (Op::TypeVector, [of, count @ 2..=4]) => Type::Vector(*of, *count),
             (Op::TypeMatrix, [of, count @ 2..=4]) => Type::Matrix(*of, *count),
-            (Op::TypeArray, [of, length]) => Type::Array(*of, value(*length)?),
+            (Op::TypeArray, [of, _]) => Type::Array(*of, length?),
             (Op::TypeRuntimeArray, [of]) => Type::Open(*of),
             (Op::TypeStruct, members) => Type::Struct(members.to_vec()),
             (Op::TypePointer, [class, to]) => Type::Pointer(*class, *to),

@@ -348,9 +348,7 @@ impl<'a> Watch<'a> {
     pub(super) fn barrier(&mut self, scope: u32, semantics: u32, lanes: &[u16], at: u32) {
         if scope != SUBGROUP && lanes.len() < self.lanes as usize {
             let missing = (0..self.lanes as u16).find(|lane| lanes.binary_search(lane).is_err()).unwrap_or_default();
-            self.add(Kind::Divergence, (at, at), |watch| {
-                format!("{} reaches the barrier without {}", watch.name(lanes[0]), watch.name(missing))
-            });
+            self.diverges(lanes[0], at, |watch| format!("reaches the barrier without {}", watch.name(missing)));
         }
         lanes.iter().for_each(|lane| self.pass(*lane, semantics));
         if scope == SUBGROUP {
@@ -440,18 +438,9 @@ impl<'a> Watch<'a> {
         true
     }
 
-    /// Only a part of a subgroup is at an operation of all.
-    pub(super) fn parted(&mut self, lane: u16, at: u32) {
-        self.add(Kind::Divergence, (at, at), |watch| {
-            format!("{} is at an operation of its subgroup without others", watch.name(lane))
-        });
-    }
-
-    /// An invocation takes the value of one that is not there.
-    pub(super) fn absent(&mut self, lane: u16, from: u32, at: u32) {
-        self.add(Kind::Divergence, (at, at), |watch| {
-            format!("{} takes a value from lane {from} of its subgroup, which is not there", watch.name(lane))
-        });
+    /// An invocation does what others that are elsewhere have to take part in.
+    pub(super) fn diverges(&mut self, lane: u16, at: u32, does: impl FnOnce(&Self) -> String) {
+        self.add(Kind::Divergence, (at, at), |watch| format!("{} {}", watch.name(lane), does(watch)));
     }
 }
 

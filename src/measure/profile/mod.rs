@@ -18,7 +18,7 @@ pub mod why;
 mod work;
 
 pub use self::agreement::{Agreement, agreement};
-pub use self::model::{Model, Predicted, Prediction, predict};
+pub use self::model::{Model, Predicted, Prediction, predict, predict_interpreted};
 pub use self::quantiles::Quantiles;
 pub use rates::{FinerRates, Rates, finer_rates, rates};
 pub use roofline::roofline;

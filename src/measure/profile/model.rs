@@ -10,11 +10,12 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::work::{Counted, counted, row_of, timed};
+use super::work::{Counted, Interpreted, counted, row_of, timed};
 use super::{Settings, variant};
-use crate::error::{Input, Result};
+use crate::error::{Error, Input, Result};
 use crate::gpu::count::{Chain, Tally};
-use crate::gpu::{Device, Timing};
+use crate::gpu::{Device, Timed, Timing};
+use crate::measure::interpret::stage::{Interpreter, Settings as Widths};
 use crate::pipeline::plan::ShadingMethod;
 use crate::scene::{Scene, from_toml};
 
@@ -214,12 +215,35 @@ impl Prediction {
     }
 }
 
+/// The rows of a frame, stages, kernels or dispatches, from what each dispatch has done; `launches` says how many
+/// dispatches and barriers a row has.
+fn rows(
+    model: &Model,
+    timed: Timed,
+    tallies: &[([String; 2], Tally)],
+    launches: impl Fn(&Predicted) -> [usize; 2],
+) -> Vec<Predicted> {
+    let mut rows: Vec<Predicted> = Vec::new();
+    for (kernel, tally) in tallies {
+        let Some(name) = row_of(timed, kernel, tally) else { continue };
+        let place = rows.iter().position(|row| row.stage == name).unwrap_or(rows.len());
+        if place == rows.len() {
+            rows.push(Predicted { stage: name, ..Predicted::default() });
+        }
+        rows[place].add(model, tally);
+    }
+    for row in &mut rows {
+        [row.dispatches, row.barriers] = launches(row);
+        row.launches_us = row.dispatches as f64 * model.dispatch_us + row.barriers as f64 * model.barrier_us;
+    }
+    rows
+}
+
 /// A frame of this scene as a device of this model would take it, counted on another one. Kernels share their work as
 /// they do on the device that counts: [`Choices::lanes`](crate::gpu::Choices) says how wide.
 pub fn predict(scene: &Scene, device: &Device, settings: &Settings, model: &Model) -> Result<Prediction> {
     if settings.options.transport == ShadingMethod::Octree {
-        let fault = Input::new("predicts what a device runs, not the host").key("--as").found("octree");
-        return Err(fault.expected("another --transport").into());
+        return Err(foreign("predicts what a device runs, not the host", "octree"));
     }
     let mut plain = variant(scene, Some(device), settings)?.session;
     // A frame as others are, after those that fill buffers.
@@ -227,27 +251,50 @@ pub fn predict(scene: &Scene, device: &Device, settings: &Settings, model: &Mode
     plain.frame(settings.change)?;
     let submissions = device.submissions() - before;
     let Counted { session, steps, tallies } = counted(scene, &device.counting(), settings, &mut plain)?;
-    let mut rows: Vec<Predicted> = Vec::new();
-    for (kernel, tally) in tallies {
-        let Some(name) = row_of(timed(&session), &kernel, &tally) else { continue };
-        let place = rows.iter().position(|row| row.stage == name).unwrap_or(rows.len());
-        if place == rows.len() {
-            rows.push(Predicted { stage: name, ..Predicted::default() });
-        }
-        rows[place].add(model, &tally);
-    }
-    for row in &mut rows {
+    let launches = |row: &Predicted| {
         let own = |count: fn(&Timing) -> usize| -> usize {
             steps.iter().filter(|step| step.name == row.stage).map(count).sum()
         };
         let (dispatches, barriers) = (own(|step| step.dispatches), own(|step| step.barriers));
         // What the host waits for in between is not told by steps: each dispatch has a barrier there.
-        row.barriers = if dispatches > 0 { barriers } else { row.dispatches };
-        row.dispatches = row.dispatches.max(dispatches);
-        row.launches_us = row.dispatches as f64 * model.dispatch_us + row.barriers as f64 * model.barrier_us;
-    }
+        let barriers = if dispatches > 0 { barriers } else { row.dispatches };
+        [row.dispatches.max(dispatches), barriers]
+    };
+    let rows = rows(model, timed(&session), &tallies, launches);
     let (counted_on, scene) = (device.name().to_string(), scene.name.clone());
     Ok(Prediction { model: model.clone(), counted_on, scene, rows, submissions })
+}
+
+/// The same, counted by the interpreter, which shares work as its settings say.
+pub fn predict_interpreted(
+    scene: &Scene,
+    interpreter: &Interpreter,
+    (settings, timed): (&Settings, Timed),
+    model: &Model,
+) -> Result<Prediction> {
+    let fault = |what: &str| Err(foreign("predicts on the interpreter what a frame has in it from the start", what));
+    match settings.options.transport {
+        ShadingMethod::Octree => return fault("octree"),
+        ShadingMethod::Walk => return fault("walk"),
+        _ => {}
+    }
+    let Interpreted { tallies, barriers, submissions, .. } = Interpreted::of(scene, interpreter, settings)?;
+    let launches = |row: &Predicted| {
+        let own = tallies
+            .iter()
+            .zip(&barriers)
+            .filter(|((names, tally), _)| row_of(timed, names, tally).is_some_and(|name| name == row.stage));
+        [own.clone().count(), own.filter(|(_, barrier)| **barrier).count()]
+    };
+    let rows = rows(model, timed, &tallies, launches);
+    let Widths { lanes, subgroup, .. } = interpreter.settings();
+    let counted_on = format!("the interpreter, {lanes} invocations an item, subgroups of {subgroup}");
+    Ok(Prediction { model: model.clone(), counted_on, scene: scene.name.clone(), rows, submissions })
+}
+
+/// The error that what was asked for cannot be predicted.
+fn foreign(what: &str, found: &str) -> Error {
+    Input::new(what).key("--as").found(found).expected("another --transport").into()
 }
 
 #[cfg(test)]

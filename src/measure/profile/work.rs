@@ -8,12 +8,13 @@ use super::agreement::agreement;
 use super::{Settings, result, variant};
 use crate::error::{Error, Result};
 use crate::gpu::count::{Tally, Traffic};
-use crate::gpu::{Device, Timed, Timing};
+use crate::gpu::{Choices, Device, Timed, Timing, waits};
 use crate::layout::{BUFFER_IDS, BufferId};
 use crate::measure::interpret::stage::Interpreter;
 use crate::pipeline::frame::owner;
 use crate::pipeline::plan::{Change, Mode};
 use crate::scene::Scene;
+use crate::session::diffusion::submitted;
 use crate::session::requirements::union;
 use crate::session::run::Session;
 use crate::state::{Dispatch, State, dispatches};
@@ -99,41 +100,67 @@ pub(super) fn of(
 pub struct Counts {
     /// Its name.
     pub stage: String,
-    /// The kernels that ran.
-    pub kernels: BTreeSet<String>,
     /// Its dispatches.
     pub dispatches: u64,
     /// Its work.
     pub work: Work,
 }
 
-/// The work of each stage, kernel or dispatch in a frame of this scene, without a device: an interpreter counts it.
-/// The reference runs each step after it, so that all begin with right input.
-pub fn interpreted(scene: &Scene, interpreter: &Interpreter, settings: &Settings, timed: Timed) -> Result<Vec<Counts>> {
-    let mut session = Session::new(scene, None, settings.options)?;
-    session.frame(Change::EVERYTHING)?;
-    let (mut state, steps) = (session.state().clone(), session.steps_taken(settings.change));
-    let bound = bound(&dispatches(&state, &steps, interpreter.settings().width())?, &state, timed)?;
-    let (mut rows, mut numbered) = (Vec::<(String, BTreeSet<_>, Tally)>::new(), BTreeMap::<String, u32>::new());
-    for step in steps {
-        for (kernel, tally) in interpreter.run(&state, step, false)?.tallies {
-            let number = numbered.entry(kernel.clone()).or_default();
-            *number += 1;
-            let part = format!("{kernel} #{number}");
-            let Some(name) = row_of(timed, &[kernel.clone(), part], &tally) else { continue };
-            match rows.iter_mut().find(|(known, ..)| *known == name) {
-                Some((_, kernels, all)) => {
-                    kernels.insert(kernel);
-                    all.add(&tally);
+/// A frame that the interpreter counted.
+pub(super) struct Interpreted {
+    /// What each of its dispatches has done, after the kernel's name and its own.
+    pub(super) tallies: Vec<([String; 2], Tally)>,
+    /// Whether a barrier comes before each.
+    pub(super) barriers: Vec<bool>,
+    /// Submissions.
+    pub(super) submissions: u64,
+    dispatches: Vec<Dispatch>,
+    state: State,
+}
+
+impl Interpreted {
+    /// Counts a frame of this scene. The reference runs each step after it, so that all begin with right input.
+    pub(super) fn of(scene: &Scene, interpreter: &Interpreter, settings: &Settings) -> Result<Self> {
+        let mut session = Session::new(scene, None, settings.options)?;
+        session.frame(Change::EVERYTHING)?;
+        let (mut state, width) = (session.state().clone(), interpreter.settings().width());
+        let (first, mut numbered) = (state.clone(), BTreeMap::<String, u32>::new());
+        let mut found =
+            Self { tallies: Vec::new(), barriers: Vec::new(), submissions: 0, dispatches: Vec::new(), state: first };
+        for list in submitted(&session.steps_taken(settings.change)) {
+            let dispatches = dispatches(&state, &list, width)?;
+            let uses = dispatches.iter().map(|dispatch| dispatch.uses(&state)).collect::<Result<Vec<_>>>()?;
+            found.barriers.extend(waits(uses, Choices::default().barriers).iter().map(Option::is_some));
+            found.submissions += u64::from(!dispatches.is_empty());
+            found.dispatches.extend(dispatches);
+            for step in list {
+                for (kernel, tally) in interpreter.run(&state, step, false)?.tallies {
+                    let number = numbered.entry(kernel.clone()).or_default();
+                    *number += 1;
+                    let part = format!("{kernel} #{number}");
+                    found.tallies.push(([kernel, part], tally));
                 }
-                None => rows.push((name, BTreeSet::from([kernel]), tally)),
+                step.reference(&mut state);
             }
         }
-        step.reference(&mut state);
+        Ok(found)
     }
-    let row = |(stage, kernels, tally): (String, BTreeSet<String>, Tally)| {
+}
+
+/// The work of each stage, kernel or dispatch in a frame of this scene, without a device: an interpreter counts it.
+pub fn interpreted(scene: &Scene, interpreter: &Interpreter, settings: &Settings, timed: Timed) -> Result<Vec<Counts>> {
+    let Interpreted { tallies, dispatches, state, .. } = Interpreted::of(scene, interpreter, settings)?;
+    let (bound, mut rows) = (bound(&dispatches, &state, timed)?, Vec::<(String, Tally)>::new());
+    for (names, tally) in tallies {
+        let Some(name) = row_of(timed, &names, &tally) else { continue };
+        match rows.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, all)) => all.add(&tally),
+            None => rows.push((name, tally)),
+        }
+    }
+    let row = |(stage, tally): (String, Tally)| {
         let (dispatches, work) = (tally.dispatches, bound.work(&stage, &tally));
-        Counts { stage, kernels, dispatches, work }
+        Counts { stage, dispatches, work }
     };
     Ok(rows.into_iter().map(row).collect())
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::json::{BindingFile, CaseFile, DispatchFile, PartFile, SCHEMA};
 use super::{About, BITS, Bound, Case, Dispatch, Part, amber};
 use crate::error::{Error, Input, Result};
-use crate::gpu::{disassembled, interface};
+use crate::gpu::{disassembled, interface, words_in};
 use crate::measure::folder::{CASE, Folder};
 
 /// Most bytes of `replay.json`.
@@ -238,7 +238,7 @@ fn words(folder: &Path, from: &Path, name: &str, size: Option<u64>) -> Result<Ve
         let expected = size.map_or("whole words".into(), |size| format!("{size} bytes, as {} says", from.display()));
         return Err(Input::new(format!("it has {found} bytes")).file(&path).expected(expected).into());
     }
-    Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+    Ok(words_in(&bytes))
 }
 
 /// A plain file's bytes.

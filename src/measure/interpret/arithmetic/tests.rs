@@ -5,8 +5,8 @@ use std::fmt::Debug;
 
 use spirq::spirv::{GLOp, Op};
 
-use super::{atomic, double, folded, glsl_one, glsl_three, glsl_two, one, three, two};
-use crate::measure::interpret::code::Two;
+use super::{atomic, double, folded, function, operation};
+use crate::measure::interpret::code::{Function, OfTwo};
 
 const NAN: u32 = 0x7fc0_0000;
 const INFINITE: u32 = 0x7f80_0000;
@@ -80,61 +80,38 @@ const NUMBERS: &[Case<Op>] = &[
     (Op::BitFieldSExtract, &[0xabcd, 4, 0], 0),
 ];
 
-/// Comparisons and logic.
-const COMPARED: &[Case<Op>] = &[
-    (Op::LogicalOr, &[0, 1], 1),
-    (Op::LogicalOr, &[0, 0], 0),
-    (Op::LogicalAnd, &[1, 0], 0),
-    (Op::LogicalAnd, &[1, 1], 1),
-    (Op::LogicalEqual, &[0, 0], 1),
-    (Op::LogicalEqual, &[0, 1], 0),
-    (Op::LogicalNotEqual, &[0, 1], 1),
-    (Op::LogicalNotEqual, &[1, 1], 0),
-    (Op::IEqual, &[3, 3], 1),
-    (Op::IEqual, &[3, 4], 0),
-    (Op::INotEqual, &[3, 4], 1),
-    (Op::INotEqual, &[3, 3], 0),
-    (Op::UGreaterThan, &[ALL, 1], 1),
-    (Op::UGreaterThan, &[1, 1], 0),
-    (Op::UGreaterThanEqual, &[1, 1], 1),
-    (Op::UGreaterThanEqual, &[1, ALL], 0),
-    (Op::ULessThan, &[1, ALL], 1),
-    (Op::ULessThan, &[1, 1], 0),
-    (Op::ULessThanEqual, &[1, 1], 1),
-    (Op::ULessThanEqual, &[ALL, 1], 0),
-    (Op::SGreaterThan, &[1, n(-1)], 1),
-    (Op::SGreaterThan, &[1, 1], 0),
-    (Op::SGreaterThanEqual, &[1, 1], 1),
-    (Op::SGreaterThanEqual, &[n(-1), 1], 0),
-    (Op::SLessThan, &[n(-1), 1], 1),
-    (Op::SLessThan, &[1, 1], 0),
-    (Op::SLessThanEqual, &[1, 1], 1),
-    (Op::SLessThanEqual, &[1, n(-1)], 0),
-    (Op::FOrdEqual, &[b(0.0), b(-0.0)], 1),
-    (Op::FOrdEqual, &[NAN, NAN], 0),
-    (Op::FUnordEqual, &[NAN, b(1.0)], 1),
-    (Op::FUnordEqual, &[b(2.0), b(1.0)], 0),
-    (Op::FOrdNotEqual, &[b(2.0), b(1.0)], 1),
-    (Op::FOrdNotEqual, &[NAN, b(1.0)], 0),
-    (Op::FUnordNotEqual, &[NAN, NAN], 1),
-    (Op::FUnordNotEqual, &[b(1.0), b(1.0)], 0),
-    (Op::FOrdLessThan, &[b(-2.0), b(-1.0)], 1),
-    (Op::FOrdLessThan, &[NAN, b(1.0)], 0),
-    (Op::FUnordLessThan, &[NAN, b(1.0)], 1),
-    (Op::FUnordLessThan, &[b(1.0), b(1.0)], 0),
-    (Op::FOrdGreaterThan, &[b(-1.0), b(-2.0)], 1),
-    (Op::FOrdGreaterThan, &[b(1.0), NAN], 0),
-    (Op::FUnordGreaterThan, &[b(1.0), NAN], 1),
-    (Op::FUnordGreaterThan, &[b(1.0), b(1.0)], 0),
-    (Op::FOrdLessThanEqual, &[b(1.0), b(1.0)], 1),
-    (Op::FOrdLessThanEqual, &[NAN, b(1.0)], 0),
-    (Op::FUnordLessThanEqual, &[NAN, b(1.0)], 1),
-    (Op::FUnordLessThanEqual, &[b(2.0), b(1.0)], 0),
-    (Op::FOrdGreaterThanEqual, &[b(1.0), b(1.0)], 1),
-    (Op::FOrdGreaterThanEqual, &[b(1.0), NAN], 0),
-    (Op::FUnordGreaterThanEqual, &[NAN, b(1.0)], 1),
-    (Op::FUnordGreaterThanEqual, &[b(1.0), b(2.0)], 0),
+/// What comparisons make of the pairs of their class below.
+const COMPARED: &[(Op, [u32; 4])] = &[
+    (Op::LogicalOr, [0, 1, 1, 1]),
+    (Op::LogicalAnd, [0, 0, 0, 1]),
+    (Op::LogicalEqual, [1, 0, 0, 1]),
+    (Op::LogicalNotEqual, [0, 1, 1, 0]),
+    (Op::IEqual, [0, 1, 0, 0]),
+    (Op::INotEqual, [1, 0, 1, 1]),
+    (Op::UGreaterThan, [1, 0, 0, 1]),
+    (Op::UGreaterThanEqual, [1, 1, 0, 1]),
+    (Op::ULessThan, [0, 0, 1, 0]),
+    (Op::ULessThanEqual, [0, 1, 1, 0]),
+    (Op::SGreaterThan, [0, 0, 1, 1]),
+    (Op::SGreaterThanEqual, [0, 1, 1, 1]),
+    (Op::SLessThan, [1, 0, 0, 0]),
+    (Op::SLessThanEqual, [1, 1, 0, 0]),
+    (Op::FOrdEqual, [0, 1, 0, 0]),
+    (Op::FUnordEqual, [0, 1, 0, 1]),
+    (Op::FOrdNotEqual, [1, 0, 1, 0]),
+    (Op::FUnordNotEqual, [1, 0, 1, 1]),
+    (Op::FOrdLessThan, [1, 0, 0, 0]),
+    (Op::FUnordLessThan, [1, 0, 0, 1]),
+    (Op::FOrdGreaterThan, [0, 0, 1, 0]),
+    (Op::FUnordGreaterThan, [0, 0, 1, 1]),
+    (Op::FOrdLessThanEqual, [1, 1, 0, 0]),
+    (Op::FUnordLessThanEqual, [1, 1, 0, 1]),
+    (Op::FOrdGreaterThanEqual, [0, 1, 1, 0]),
+    (Op::FUnordGreaterThanEqual, [0, 1, 1, 1]),
 ];
+const LOGIC: [[u32; 2]; 4] = [[0, 0], [0, 1], [1, 0], [1, 1]];
+const INTEGERS: [[u32; 2]; 4] = [[n(-1), 1], [1, 1], [1, n(-1)], [4, 3]];
+const FLOATS: [[u32; 2]; 4] = [[b(-2.0), b(-1.0)], [b(0.0), b(-0.0)], [b(-1.0), b(-2.0)], [NAN, b(1.0)]];
 
 /// Atomic operations: the old word and the operand, which is 1 where the instruction has none.
 const ATOMIC: &[Case<Op>] = &[
@@ -254,26 +231,32 @@ fn operations() -> impl Iterator<Item = Op> {
     (0..0x1_0000).filter_map(Op::from_u32)
 }
 
+/// The value of a function of as many numbers.
+fn applied(f: Function, operands: &[u32]) -> Option<u32> {
+    let of = [0, 1, 2].map(|k| operands.get(k).copied().unwrap_or_default());
+    (f.depends() == operands.len()).then(|| f.value(of))
+}
+
 #[test]
 fn each_operation_of_numbers_has_the_value_computed_by_hand() {
-    check(operations(), &[NUMBERS, COMPARED].concat(), |op, operands| match *operands {
-        [a] => Some(one(op)?(a)),
-        [a, b] => Some(two(op)?(a, b)),
-        [a, b, c] => Some(three(op)?(a, b, c)),
-        _ => None,
-    });
+    let is_compared = |op: &Op| COMPARED.iter().any(|(known, _)| known == op);
+    check(operations().filter(|op| !is_compared(op)), NUMBERS, |op, operands| applied(operation(op)?, operands));
+    for (op, expected) in COMPARED {
+        let pairs = match format!("{op:?}").chars().next() {
+            Some('L') => LOGIC,
+            Some('F') => FLOATS,
+            _ => INTEGERS,
+        };
+        let f = operation(*op).unwrap();
+        assert_eq!(pairs.map(|[a, b]| f.value([a, b, 0])), *expected, "{op:?} of {pairs:x?}");
+    }
     let functions = (0..200).filter_map(GLOp::from_u32);
-    check(functions, FUNCTIONS, |function, operands| match *operands {
-        [a] => Some(glsl_one(function)?(a)),
-        [a, b] => Some(glsl_two(function)?(a, b)),
-        [a, b, c] => Some(glsl_three(function)?(a, b, c)),
-        _ => None,
-    });
+    check(functions, FUNCTIONS, |what, operands| applied(function(what)?, operands));
 }
 
 #[test]
 fn each_operation_with_others_has_the_value_computed_by_hand() {
-    let pair = |f: Two, operands: &[u32]| if let [a, b] = *operands { Some(f(a, b)) } else { None };
+    let pair = |f: OfTwo, operands: &[u32]| if let [a, b] = *operands { Some(f(a, b)) } else { None };
     check(operations(), ATOMIC, |op, operands| pair(atomic(op)?, operands));
     check(operations(), FOLDED, |op, operands| pair(folded(op)?.0, operands));
     // What a fold begins with changes nothing.
