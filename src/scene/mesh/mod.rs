@@ -50,8 +50,8 @@ pub struct Mesh {
     /// Texture coordinates of each triangle's corners, if it has any, one entry per triangle: (0, 0) is the lower left,
     /// (1, 1) the upper right corner of the texture.
     pub uvs: Option<Vec<[[f64; 2]; 3]>>,
-    /// Unit normals of the vertices that shading interpolates in place of those of the triangles around them: a file may
-    /// have some, and the parts of a divided triangle lie in its plane, and have the normals of the whole.
+    /// Unit normals of the vertices that shading interpolates in place of those of the triangles around them: a file
+    /// may have some, and the parts of a divided triangle lie in its plane, and have the normals of the whole.
     pub normals: Option<Vec<DVec3>>,
     /// While the mesh is read: normals of each triangle's corners in its file, 0 where there is none.
     pub corner_normals: Option<Vec<[DVec3; 3]>>,

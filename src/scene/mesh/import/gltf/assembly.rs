@@ -163,7 +163,7 @@ impl<'a> Assembly<'a> {
         Ok(Some(self.triangles.iter().map(|corners| corners.map(|corner| all[corner as usize])).collect()))
     }
 
-    /// Normals of the triangles' corners, where their matrices turn them; 0 for a primitive that has none, or that morph
+    /// Normals of the triangles' corners, turned by their matrices; 0 for a primitive that has none, or that morph
     /// targets change. None if all are such.
     pub fn normals(&self, document: &Document, files: &Files) -> Checked<Option<Vec<[DVec3; 3]>>> {
         let mut all = Vec::with_capacity(self.base.len());

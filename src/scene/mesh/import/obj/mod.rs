@@ -1,8 +1,8 @@
 //! Reads Wavefront OBJ: positions and faces as they are in the file, polygons cut into triangles.
 //!
-//! Materials, groups, points and lines are ignored, so that an error in them, or a missing `.mtl` file, does not matter;
-//! nor does one in normals, which are made where they are missing. Texture coordinates, the library that names a
-//! texture, and the colours of vertices are read only if a texture is requested.
+//! Materials, groups, points and lines are ignored, so that an error in them, or a missing `.mtl` file, does not
+//! matter; nor does one in normals, which are made where they are missing. Texture coordinates, the library that names
+//! a texture, and the colours of vertices are read only if a texture is requested.
 
 use super::polygon::Cutter;
 use super::{Coordinates, LARGEST, MOST_UV, Soup, Texels, bytes_of, colors, text_of};
