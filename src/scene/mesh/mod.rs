@@ -118,7 +118,8 @@ impl Mesh {
         Some([at(a)?, at(b)?, at(c)?])
     }
 
-    /// Unit normals of the vertices from the triangles around them, see [`vertex_normal`].
+    /// Unit normals of the vertices from the triangles around them, weighted by area; where those cancel, that of one
+    /// of them.
     pub fn vertex_normals(&self) -> Vec<DVec3> {
         let mut around = vec![Vec::new(); self.positions.len()];
         for &[a, b, c] in &self.triangles {
