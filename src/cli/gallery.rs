@@ -10,7 +10,7 @@ use super::device::DeviceArgument;
 use super::memory::MemoryArgument;
 use super::render::parse_size;
 use super::run_args::{OptionArguments, quoted};
-use super::{check_messages, open_session, print, run_frame, validation};
+use super::{check_messages, open_session, print, run_first_sample, validation};
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode, Options, ShadingMethod};
@@ -203,7 +203,7 @@ fn absolute(path: &str) -> String {
 /// The scene's picture: its bytes, r g b row by row.
 fn pixels_of(scene: &milkglass::Scene, device: Option<&Device>, options: Options) -> Result<Vec<u8>> {
     let mut session = open_session(scene, device, options)?;
-    run_frame(&mut session, Change::EVERYTHING)?;
+    run_first_sample(&mut session, Change::EVERYTHING)?;
     session.sample()?;
     let bytes = session.shown()?;
     check_messages(device)?;

@@ -265,8 +265,17 @@ fn greet(session: &mut Session) {
 
 /// Runs a frame; reports once if links turn out to be too many to keep.
 fn run_frame(session: &mut Session, change: Change) -> Result<Vec<Timing>> {
+    run_by(session, |session| session.frame(change))
+}
+
+/// The same for the first frame of a picture, whose samples go on from it.
+fn run_first_sample(session: &mut Session, change: Change) -> Result<Vec<Timing>> {
+    run_by(session, |session| session.first_sample(change))
+}
+
+fn run_by(session: &mut Session, run: impl FnOnce(&mut Session) -> Result<Vec<Timing>>) -> Result<Vec<Timing>> {
     let before = session.not_kept().is_some();
-    let times = session.frame(change)?;
+    let times = run(session)?;
     if let Some(why) = session.not_kept().filter(|_| !before) {
         tell!("{why}");
     }

@@ -10,7 +10,8 @@ use super::long_work::tell_long_work;
 use super::samples::{Samples, foretell};
 use super::solve::FRAMES;
 use super::{
-    RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
+    RunArguments, SceneArguments, check_messages, open_session, print, run_first_sample, run_frame, sequence, table,
+    validation,
 };
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::Device;
@@ -169,7 +170,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let foretold = if lit { phase(FRAMES, || foretell(&mut session))? } else { None };
     let mut times = foretold.clone().unwrap_or_default();
     let change = if foretold.is_some() { Change::VIEW } else { Change::EVERYTHING };
-    times.extend(phase(FRAMES, || run_frame(&mut session, change))?);
+    // Layers and what is shown instead of light belong to rays through the pixels' centres.
+    let first = if lit && !aov { run_first_sample } else { run_frame };
+    times.extend(phase(FRAMES, || first(&mut session, change))?);
     if !lit {
         if arguments.times {
             super::solve::print_times(&mut session, &times)?;

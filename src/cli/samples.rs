@@ -28,7 +28,7 @@ const SMALL: f64 = 4096.0;
 pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
     let camera = session.scene().camera.clone();
     let [width, height] = camera.size.map(f64::from);
-    let samples = if camera.samples == 1 { 1.0 } else { f64::from(camera.samples) + 1.0 };
+    let samples = f64::from(camera.samples);
     let by_pixel = session.state().objects.iter().any(|object| object.by_pixel);
     // With fewer samples than triangles the light would be found at pixels, and once more for the picture.
     let faces: usize =
@@ -96,15 +96,15 @@ impl Samples {
         Self { start: None, bar: ProgressBar::hidden(), fewer: None }
     }
 
-    /// Counts a sample; the first one tells how long the others will take.
+    /// Counts a sample; the first one that is counted tells how long the others will take.
     pub fn tell(&mut self, done: u32, all: u32, steps: &[Timing]) {
-        let first = self.start.filter(|_| done == 1);
+        let first = self.start.take();
         let left = first.map_or(0.0, |start| start.elapsed().as_secs_f64() * f64::from(all - done));
         let what = format!("{} more samples a pixel take", all - done);
         if let Some(line) = long(left, &what, steps, self.fewer.as_deref()) {
             self.bar.suspend(|| tell!("{line}"));
         }
-        self.bar.inc(1);
+        self.bar.set_position(done.into());
         if done == all {
             self.bar.finish_and_clear();
         }

@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::bare::Subject;
 use super::long_work::tell_long_work;
 use super::samples::Samples;
-use super::{check_messages, open_session, run_frame};
+use super::{check_messages, open_session, run_first_sample, run_frame};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
 use milkglass::internals::phases::phase;
@@ -137,7 +137,9 @@ impl Job<'_> {
                 session
             }
         };
-        run_frame(session, Change::default())?;
+        // Layers belong to rays through the pixels' centres.
+        let first = if self.aov { run_frame } else { run_first_sample };
+        first(session, Change::default())?;
         check_messages(device)?;
         Ok(session)
     }
@@ -177,7 +179,7 @@ impl Job<'_> {
         scene.report.iter().for_each(|line| tell!("{line}"));
         let mut session = open_session(&scene, device, self.options)?;
         tell_long_work(&session);
-        run_frame(&mut session, Change::default())?;
+        run_first_sample(&mut session, Change::default())?;
         session.sample()?;
         let exposure = session.picture()?.exposure;
         session.hold_exposure(Some(exposure));
@@ -202,7 +204,7 @@ pub fn warn_of_shape(session: &mut Session, frame: &str) {
 /// Writes the picture of the last frame, with layers if `aov`; `samples` shows how many are done. Returns the times of
 /// the samples' steps.
 pub fn shoot(session: &mut Session, aov: bool, output: &Path, mut samples: Samples) -> Result<Vec<Timing>> {
-    // Layers first: they belong to rays through the pixels' centres.
+    // Layers first: they belong to the frame before the samples.
     let layers = if aov { Some(layers(session)?) } else { None };
     if aov {
         super::solve::tell_estimate(session)?;

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Block, Bounds, BufferId, Buffers, Cluster, NONE, ObjectParams, Sphere, Topology};
+use crate::scene::vertex_normal;
 use crate::state::{Field, Pass, Role, Rounding, Scope, Size, Stage, State, Tolerance, narrow, wide};
 
 /// Tolerances of clusters: centres relative to the extent, areas and second moments to themselves, vector areas to
@@ -149,18 +150,6 @@ fn cpu(state: &mut State, _at: Scope) {
         .collect();
 }
 
-/// A sum of vector areas vanishes below this share of the areas: only rounding is left.
-const VANISHED: f64 = 1e-5;
-
-/// The vector area at a vertex with faces of these vector areas and areas: their sum, or where it vanishes, as between
-/// two sides of a sheet, that of the first face with an area.
-pub fn vertex_normal(faces: impl Iterator<Item = (DVec3, f64)> + Clone) -> DVec3 {
-    let area: f64 = faces.clone().map(|(_, area)| area).sum();
-    let sum: DVec3 = faces.clone().map(|(normal, _)| normal).sum();
-    let mut whole = faces.filter(|(_, area)| *area > 0.0).map(|(normal, _)| normal);
-    if sum.length() > VANISHED * area { sum } else { whole.next().unwrap_or_default() }
-}
-
 /// Mean square distance from the centre over a flat disc of a block's mean area.
 #[must_use]
 pub fn disc(area: f64, blocks: u32) -> f64 {
@@ -254,21 +243,4 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     }
     let known = pass.object().whole_normals;
     pass.dispatch(Some("normal"), &[u32::from(known)], &[], count.vertices)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn normals_that_cancel_are_those_of_a_triangle() {
-        let up = (DVec3::new(0.0, 0.0, 2.0), 2.0);
-        let down = (DVec3::new(0.0, 1e-7, -2.0), 2.0);
-        assert_eq!(vertex_normal([up, down].into_iter()), up.0);
-        let none = (DVec3::ZERO, 0.0);
-        assert_eq!(vertex_normal([none, down, up].into_iter()), down.0);
-        assert_eq!(vertex_normal([none, none].into_iter()), DVec3::ZERO);
-        let side = (DVec3::X, 1.0);
-        assert_eq!(vertex_normal([up, down, side].into_iter()), up.0 + down.0 + DVec3::X);
-    }
 }

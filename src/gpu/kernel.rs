@@ -91,7 +91,7 @@ impl Kernel {
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
     pub(crate) fn new(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
-        let (shape, shuffles) = (Shape::of(device, name, &reflect(name, &words)?), has_subgroups(&words));
+        let (shape, shuffles) = (Shape::of(device, name, &*reflect(name, &words)?), has_subgroups(&words));
         Self::shaped(device, name, words, constants, (shape, shuffles))
     }
 
@@ -151,7 +151,7 @@ impl Kernel {
             constants: constants.to_vec(),
             shuffles: has_subgroups(words),
             asks_lockstep: found.constants.contains_key(&LOCKSTEP_ID),
-            accesses: found.accesses,
+            accesses: found.accesses.clone(),
             push_bytes: found.push_bytes,
             built,
             group,

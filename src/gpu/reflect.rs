@@ -2,7 +2,7 @@
 //! is written twice.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use spirq::prelude::*;
 use spirq::spirv::{Capability, Decoration, ExecutionMode, Op};
@@ -55,12 +55,12 @@ pub fn group_is_open(name: &str) -> bool {
 
 /// How a kernel of the program uses its buffers.
 pub fn accesses(name: &str) -> Result<Vec<Access>> {
-    /// Those reflected so far: a frame asks for the same kernel hundreds of times.
+    /// By name: a frame asks for the same kernel hundreds of times.
     static KNOWN: Mutex<BTreeMap<String, Vec<Access>>> = Mutex::new(BTreeMap::new());
     if let Some(found) = KNOWN.lock().ok().and_then(|known| known.get(name).cloned()) {
         return Ok(found);
     }
-    let found = reflect(name, &words_of(name)?)?.accesses;
+    let found = reflect(name, &words_of(name)?)?.accesses.clone();
     if let Ok(mut known) = KNOWN.lock() {
         known.insert(name.to_string(), found.clone());
     }
@@ -107,6 +107,7 @@ pub(super) struct Reflected {
 }
 
 /// A specialization constant.
+#[derive(Clone)]
 pub(super) struct SpecConstant {
     /// Its name, or else its id.
     pub(super) name: String,
@@ -172,7 +173,25 @@ fn computed(words: &[u32]) -> Vec<u32> {
     })
 }
 
-pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
+/// The most modules whose contents are kept.
+const MOST_KNOWN: usize = 512;
+
+/// What is found in a module, which is looked for once: until a kernel is made it is asked for four times, and with
+/// `RUST_BACKTRACE=1` `spirq` takes ten milliseconds, since it notes a backtrace of all that a module leaves out.
+pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Arc<Reflected>> {
+    static KNOWN: Mutex<BTreeMap<Vec<u32>, Arc<Reflected>>> = Mutex::new(BTreeMap::new());
+    if let Some(found) = KNOWN.lock().ok().and_then(|known| known.get(words).cloned()) {
+        return Ok(found);
+    }
+    let found = Arc::new(reflect_anew(name, words)?);
+    // Enough for all kernels of the program, few for those of a fuzzer.
+    if let Some(mut known) = KNOWN.lock().ok().filter(|known| known.len() < MOST_KNOWN) {
+        known.insert(words.to_vec(), found.clone());
+    }
+    Ok(found)
+}
+
+fn reflect_anew(name: &str, words: &[u32]) -> Result<Reflected> {
     let doing = || format!("reading kernel {name}");
     let entries = ReflectConfig::new()
         .spv(computed(words))
@@ -280,8 +299,8 @@ pub fn reflect_records() -> Result<Vec<Struct>> {
     }
     let mut out = Vec::new();
     for name in kernel_names() {
-        for ty in reflect(name, &words_of(name)?)?.types {
-            visit(name, &ty, &mut out);
+        for ty in &reflect(name, &words_of(name)?)?.types {
+            visit(name, ty, &mut out);
         }
     }
     Ok(out)

@@ -24,7 +24,6 @@ use rstar::RTree;
 use rstar::primitives::Line;
 
 use crate::error::{Input, Result};
-use crate::geometry::refit::vertex_normal;
 use crate::scene::{Material, Memory, Mesh};
 
 /// The longest edge near a crease, in units of the distance over which radiosity changes there.
@@ -118,8 +117,13 @@ pub struct Divided {
 /// Divides the long triangles of a mesh; none if no triangle is too long.
 pub fn divide(mesh: &Mesh, material: &Material, memory: &Memory) -> Result<Option<Divided>> {
     let Some(long) = Long::of(mesh, material) else { return Ok(None) };
-    let (mut fine, mut from): (Mesh, Vec<u32>) = (mesh.parted(), (0..).take(mesh.triangles.len()).collect());
-    fine.normals = Some(normals(&fine));
+    // Normals of a file have parted the vertices of its own creases.
+    let mut fine = mesh.clone();
+    if fine.normals.is_none() {
+        fine = mesh.parted();
+        fine.normals = Some(fine.vertex_normals());
+    }
+    let mut from: Vec<u32> = (0..).take(mesh.triangles.len()).collect();
     // Parts that are short enough stay so.
     let mut open = vec![true; from.len()];
     loop {
@@ -138,17 +142,6 @@ pub fn divide(mesh: &Mesh, material: &Material, memory: &Memory) -> Result<Optio
         from = parents.iter().map(|&part| from[part as usize]).collect();
         fine = finer;
     }
-}
-
-/// Unit vertex normals by the rule that other meshes are shaded with.
-fn normals(mesh: &Mesh) -> Vec<DVec3> {
-    let mut around = vec![Vec::new(); mesh.positions.len()];
-    for &[a, b, c] in &mesh.triangles {
-        let [p, q, r] = [a, b, c].map(|v| mesh.positions[v as usize]);
-        let area = 0.5 * (q - p).cross(r - p);
-        [a, b, c].into_iter().for_each(|v| around[v as usize].push((area, area.length())));
-    }
-    around.iter().map(|faces| vertex_normal(faces.iter().copied()).normalize_or_zero()).collect()
 }
 
 /// The length of a triangle's longest edge.
@@ -173,15 +166,6 @@ mod tests {
             mesh.open_edges = 3;
         }
         divide(&mesh, &object.material, &Memory::default()).expect("memory").expect("long triangles")
-    }
-
-    #[test]
-    fn where_normals_cancel_that_of_the_first_triangle_counts() {
-        // Two sides of a sheet.
-        let mut mesh = Mesh { positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y], ..Mesh::default() };
-        mesh.triangles = vec![[0, 1, 2], [0, 2, 1]];
-        assert_eq!(normals(&mesh), [DVec3::Z; 3]);
-        assert_eq!(mesh.vertex_normals(), [DVec3::ZERO; 3]);
     }
 
     #[test]

@@ -45,6 +45,7 @@ pub use local::{Cdrf, Kappa};
 #[cfg(feature = "measure")]
 pub(crate) use locate::{from_toml, line_of};
 pub use material::{Fresnel, Material};
+pub(crate) use mesh::vertex_normal;
 pub use mesh::{Mesh, Shape};
 pub use object::Object;
 pub use preset::{LIQUIDS, LOOKS, PRESETS, Preset, Provenance};

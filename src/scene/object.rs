@@ -8,7 +8,7 @@ use super::mesh::{Coordinates, FORMATS, Mesh, Origin, Shape};
 use super::play::Play;
 use super::range::{self, Checked};
 use super::texture::Texture;
-use super::transport::Transport;
+use super::transport::{Hierarchy, Transport};
 use super::vector::Vector;
 use crate::error::Input;
 use crate::phases::phase;
@@ -70,6 +70,7 @@ impl Object {
 pub(super) struct ObjectFile {
     mesh: Option<PathBuf>,
     part: Option<i64>,
+    normals: Option<Normals>,
     shape: Option<Shape>,
     detail: Option<i64>,
     size: Option<f64>,
@@ -81,10 +82,22 @@ pub(super) struct ObjectFile {
     material: MaterialFile,
 }
 
+/// The normals that a mesh is shaded with.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Normals {
+    /// Those of its file, where it has some.
+    File,
+    /// Those of the triangles around each vertex.
+    Faces,
+}
+
 /// A validated object whose mesh is not loaded yet.
 #[derive(Debug)]
 pub(super) struct Draft {
     source: Source,
+    /// Whether it has the normals of its file.
+    normals: bool,
     /// Largest extent to give the mesh, in scene units.
     size: Option<f64>,
     /// Rotation, applied before the position.
@@ -133,6 +146,7 @@ impl ObjectFile {
         let turn = turn.map(f64::to_radians);
         Ok(Draft {
             source: self.source(index)?,
+            normals: self.normals != Some(Normals::Faces),
             size: size.transpose()?,
             rotation: DQuat::from_euler(EulerRot::ZYX, turn.z, turn.y, turn.x),
             position: vector("position", self.position, range::LARGEST, "coordinates within 1e9 scene units")?,
@@ -156,7 +170,9 @@ impl ObjectFile {
             }
             (Some(_), None) if self.detail.is_some() => {
                 let fault = Input::new("a mesh from a file has no such key");
-                Err(fault.key(key(".detail")).expected("mesh, part, size, position, rotation, deform, material"))
+                Err(fault
+                    .key(key(".detail"))
+                    .expected("mesh, part, normals, size, position, rotation, deform, material"))
             }
             (Some(path), None) if path.as_os_str().is_empty() => Err(Input::new("no file is named")
                 .key(key(".mesh"))
@@ -171,6 +187,10 @@ impl ObjectFile {
             }
             (None, Some(_)) if self.part.is_some() => {
                 let fault = Input::new("a shape has no parts").key(key(".part"));
+                Err(fault.expected("shape, detail, size, position, rotation, deform, material"))
+            }
+            (None, Some(_)) if self.normals.is_some() => {
+                let fault = Input::new("a shape has no file with normals").key(key(".normals"));
                 Err(fault.expected("shape, detail, size, position, rotation, deform, material"))
             }
             (None, Some(shape)) => {
@@ -201,6 +221,13 @@ impl Draft {
     /// object that has any.
     pub(super) fn placement(&self) -> (DQuat, DVec3) {
         if self.deforms.is_empty() { (self.rotation, self.position) } else { Default::default() }
+    }
+
+    /// Whether nothing makes vertices anew, moves them, or goes along their edges, and knows nothing of the normals in
+    /// a file.
+    fn keeps_vertices(&self, transport: &Transport) -> bool {
+        let plain = matches!(transport.hierarchy, Hierarchy::FaceClusters | Hierarchy::Median);
+        plain && self.deforms.is_empty() && self.material.layers.is_none()
     }
 
     fn load_maps(&mut self, files: &Files, folder: &Path, index: usize, report: &mut Vec<String>) -> Checked<()> {
@@ -241,7 +268,8 @@ impl Draft {
         let mesh = match &self.source {
             Source::File(path, part) => {
                 let wanted = textured.as_deref().map(|key| Coordinates { key, own });
-                Mesh::read(files, &folder.join(path), *part, wanted, report)?
+                let normals = self.normals && !unwrapped && self.keeps_vertices(transport);
+                Mesh::read(files, &folder.join(path), *part, wanted, normals, report)?
             }
             Source::Shape(shape, detail) => {
                 let most = shape.most_triangles(*detail);

@@ -100,6 +100,24 @@ fn what_is_not_there_or_cannot_be_read_is_an_error() {
 }
 
 #[test]
+fn normals_of_a_file_shade_it_where_nothing_moves_its_vertices() {
+    let text = "v 0 0 0\nv 4 0 0\nv 0 2 0\nvn 0 0.6 0.8\nvn 0 0 1\nf 1//1 2//2 3//2\n";
+    let (_folder, path) = files(&[("a.obj", text), ("b.obj", TRIANGLE)]);
+    let normals =
+        |path: &str, set: &[&str]| Scene::load_with(path, &sets(set)).expect("a scene").objects[0].mesh.normals.clone();
+    assert_eq!(normals(&path, &[]), Some(vec![DVec3::new(0.0, 0.6, 0.8), DVec3::Z, DVec3::Z]));
+    assert_eq!(normals(&path, &["object.0.normals='file'"]), normals(&path, &[]));
+    for set in ["object.0.normals='faces'", "object.0.deform=[{ type = 'twist', axis = [0, 0, 1], angle = 30 }]"] {
+        assert_eq!(normals(&path, &[set]), None, "{set}");
+    }
+    assert_eq!(normals(&path.replace("a.obj", "b.obj"), &[]), None);
+    let shape = message(Scene::load_with("sphere", &sets(&["object.0.normals='faces'"])));
+    assert!(shape.contains("a shape has no file with normals") && shape.contains("object.0.normals"), "{shape}");
+    let other = message(Scene::load_with(&path, &sets(&["object.0.normals='smooth'"])));
+    assert!(other.contains("object.0.normals") && other.contains("expected file, faces"), "{other}");
+}
+
+#[test]
 fn a_camera_that_stands_on_its_target_has_a_line() {
     let text = "[camera]\nposition = [0, 0, 0]\n[[object]]\nshape = 'slab'\nmaterial.preset = 'apple'\n";
     let (_folder, path) = files(&[("a.toml", text)]);

@@ -8,7 +8,7 @@ use super::run::Session;
 use crate::error::Result;
 use crate::gpu::Timing;
 use crate::layout::{BufferId, Hit, NONE};
-use crate::pipeline::plan::Change;
+use crate::pipeline::plan::{Change, Changes};
 use crate::view::picture::Picture;
 
 /// Offset of sample `k` of `count` from the pixel's centre, in pixels: a golden-ratio lattice, one sample per column.
@@ -29,8 +29,18 @@ pub fn lens(k: u32, count: u32) -> [f64; 2] {
 }
 
 impl Session {
-    /// Runs the frames of the camera's samples, after one through the pixels' centres, which is a sample only if it is
-    /// the only one. Returns the times of their steps. Does nothing if that is done and nothing has changed since.
+    /// Runs the first frame of a picture, as [`Session::frame`] runs one: that of its first sample, which
+    /// [`Session::sample`] goes on from. A frame through the pixels' centres is a sample only if it is the only one.
+    pub fn first_sample(&mut self, change: Change) -> Result<Vec<Timing>> {
+        if self.scene().camera.samples == 1 {
+            return self.frame(change);
+        }
+        self.pending.add(change);
+        self.sample_one(0)
+    }
+
+    /// Runs the frames of the camera's samples, all or those that are left, and in the first whatever has changed.
+    /// Returns the times of their steps. Does nothing if there is one sample only.
     pub fn sample(&mut self) -> Result<Vec<Timing>> {
         self.sample_telling(&mut |_, _, _| ())
     }
@@ -39,10 +49,11 @@ impl Session {
     /// the last one.
     pub fn sample_telling(&mut self, tell: &mut dyn FnMut(u32, u32, &[Timing])) -> Result<Vec<Timing>> {
         let (samples, mut times) = (self.scene().camera.samples, Vec::new());
-        if samples == 1 || self.sampled {
+        if samples == 1 {
             return Ok(times);
         }
-        for k in 0..samples {
+        let done = if self.pending == Changes::default() { self.samples_done } else { 0 };
+        for k in done..samples {
             let steps = self.sample_one(k)?;
             tell(k + 1, samples, &steps);
             times.extend(steps);
@@ -62,8 +73,13 @@ impl Session {
         let samples = self.scene().camera.samples;
         self.shift(place(k, samples), lens(k, samples), k)?;
         let mut frame = self.begin_as_it_is(Change::VIEW)?;
-        frame.last_sample = k + 1 == samples;
+        frame.sample = Some(k);
         Ok(frame)
+    }
+
+    /// Whether the mean over the camera's samples, if they are several, is complete.
+    pub(super) fn sampled(&self) -> bool {
+        self.samples_done > 0 && self.samples_done == self.scene().camera.samples
     }
 
     /// Counts which pixels of the sample that is done show an object, where pictures have a transparent background.
@@ -86,15 +102,14 @@ impl Session {
     /// The share of each pixel that shows an object; none unless the picture has a transparent background.
     pub(super) fn alpha(&self) -> Option<Vec<f32>> {
         let (camera, hits) = (&self.scene().camera, &self.state().data.hits);
-        camera.transparent.then(|| match self.sampled {
+        camera.transparent.then(|| match self.sampled() {
             true => self.coverage.iter().map(|&count| f32::from(count) / camera.samples as f32).collect(),
             false => hits.iter().map(|hit| f32::from(u8::from(hit.face != NONE))).collect(),
         })
     }
 }
 
-/// The picture of a session, after a frame through the pixels' centres: the mean of the camera's number of samples,
-/// with equal weights.
+/// The picture of a session: that of its last frame, or the mean of the camera's several samples, with equal weights.
 pub fn picture(session: &mut Session) -> Result<Picture> {
     session.sample()?;
     session.picture()
@@ -102,7 +117,31 @@ pub fn picture(session: &mut Session) -> Result<Picture> {
 
 #[cfg(test)]
 mod tests {
+    use crate::pipeline::plan::Options;
+    use crate::scene::Scene;
     use crate::session::antialiasing::*;
+
+    #[test]
+    fn a_picture_has_a_frame_a_sample_and_no_other() {
+        let sets = ["object.0.detail=2", "camera.size=[12, 12]", "camera.samples=3"].map(str::to_string);
+        let mut scene = Scene::load_with("sphere", &sets).unwrap();
+        let mut session = Session::new(&scene, None, Options::default()).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        let frames = |steps: &[Timing]| steps.iter().filter(|step| step.name.starts_with("visibility")).count();
+        assert_eq!(frames(&session.sample().unwrap()), 3, "rays through the centres are no sample");
+        let wanted = session.picture().unwrap().pixels;
+        assert_eq!(frames(&session.sample().unwrap()), 0, "the picture is done");
+
+        let mut session = Session::new(&scene, None, Options::default()).unwrap();
+        assert_eq!(frames(&session.first_sample(Change::EVERYTHING).unwrap()), 1);
+        assert_eq!(frames(&session.sample().unwrap()), 2, "the first sample is not rendered again");
+        assert_eq!(session.picture().unwrap().pixels, wanted);
+        // What changes afterwards comes with the next first sample, the whole picture again.
+        scene.lights.clear();
+        session.show(&scene).unwrap();
+        assert_eq!(frames(&session.sample().unwrap()), 3);
+        assert!(session.picture().unwrap().pixels != wanted);
+    }
 
     #[test]
     fn places_fill_the_pixel() {

@@ -200,7 +200,7 @@ impl Session {
             changes.add(Change::LIGHT);
         }
         camera(state, &scene.camera, units);
-        (self.shifted, self.sampled) = (false, false);
+        (self.shifted, self.samples_done) = (false, 0);
         lights(state, &scene.lights, &mut self.prepared.units, &scene.objects);
         self.adopt(&before, changes, LIGHTING)
     }
@@ -266,7 +266,7 @@ impl Session {
             return self.renew(|scene| scene.camera = new.clone());
         }
         self.pending.add(Change::VIEW);
-        (self.shifted, self.sampled) = (false, false);
+        (self.shifted, self.samples_done) = (false, 0);
         camera(&mut self.prepared.state, new, self.prepared.units);
         pixel_lights(&mut self.prepared.state, &self.scene.lights, self.prepared.units);
         if before.environment != new.environment || (before.samples == 1) != (new.samples == 1) {

@@ -22,8 +22,8 @@ pub struct FrameParts {
     /// The times of the steps that are done, and of those that ran before lists were made longer.
     last: Vec<Timing>,
     times: Vec<Timing>,
-    /// Whether it is the last of the camera's several samples.
-    pub(super) last_sample: bool,
+    /// Which of the camera's several samples it is, if it is one.
+    pub(super) sample: Option<u32>,
 }
 
 /// The steps of a frame, how many are done, and how many dispatches of the next one.
@@ -44,7 +44,7 @@ impl Session {
 
     /// The same with the rays where they are.
     pub(crate) fn begin_as_it_is(&mut self, changes: impl Into<Changes>) -> Result<FrameParts> {
-        self.sampled = false;
+        self.samples_done = 0;
         self.recover()?;
         self.failed = true;
         self.pending = self.pending.clone().and(&changes.into());
@@ -52,7 +52,7 @@ impl Session {
         self.open_budget()?;
         let changes = self.pending.clone().and(&self.waiting_change().into());
         let (last, times) = (Vec::new(), Vec::new());
-        Ok(FrameParts { begin: Instant::now(), changes, steps: None, last, times, last_sample: false })
+        Ok(FrameParts { begin: Instant::now(), changes, steps: None, last, times, sample: None })
     }
 
     /// Runs the rest of the frame or, where its steps can run one by one, goes on with it up to the first dispatch that
@@ -97,8 +97,8 @@ impl Session {
                 self.pending = Changes::default();
                 self.failed = false;
                 self.cover()?;
-                if frame.last_sample {
-                    (self.sampled, self.shifted) = (true, true);
+                if let Some(sample) = frame.sample {
+                    (self.samples_done, self.shifted) = (sample + 1, true);
                 }
                 Ok(Some(std::mem::take(&mut frame.times)))
             }

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Buffer, Device};
 use crate::layout::BufferId;
-use crate::pipeline::plan::{Change, Changes, Options};
+use crate::pipeline::plan::{Change, Options};
 use crate::prepare::camera::tones;
 use crate::scene::Scene;
 use crate::view::picture::{Picture, is_png, metered, save_png};
@@ -47,7 +47,7 @@ impl Session {
     /// Between calls change the scene with [`Session::set_lights`], [`Session::set_camera`] or [`Session::show`]; the
     /// picture is the one that a new session would render.
     pub fn render(&mut self) -> Result<Picture> {
-        if !self.sampled || self.pending != Changes::default() {
+        if self.scene.camera.samples == 1 {
             self.frame(Change::default())?;
         }
         picture(self)
@@ -59,7 +59,7 @@ impl Session {
         self.fetch(&[BufferId::hits, self.pixels()])?;
         self.check_rays()?;
         let data = &self.prepared.state.data;
-        let pixels = if self.sampled { data.mean.clone() } else { data.radiance.clone() };
+        let pixels = if self.sampled() { data.mean.clone() } else { data.radiance.clone() };
         let camera = &self.scene.camera;
         let [width, height] = camera.size.map(|n| n as usize);
         Ok(Picture { width, height, pixels, alpha: self.alpha(), exposure: camera.exposure, tone: camera.tone })
@@ -101,7 +101,7 @@ impl Session {
 
     /// The buffer of the picture.
     fn pixels(&self) -> BufferId {
-        if self.sampled { BufferId::mean } else { BufferId::radiance }
+        if self.sampled() { BufferId::mean } else { BufferId::radiance }
     }
 
     /// Sets the exposure by the picture of the last frame, if the camera is metered: to one that was held, or by what
@@ -115,7 +115,7 @@ impl Session {
             None => {
                 self.fetch(&[BufferId::hits, self.pixels()])?;
                 let (state, data) = (&self.prepared.state, &self.prepared.state.data);
-                let pixels = if self.sampled { &data.mean } else { &data.radiance };
+                let pixels = if self.sampled() { &data.mean } else { &data.radiance };
                 let brightness = |opaque: bool| -> Vec<f32> {
                     let seen = |face: u32| {
                         face < data.triangles.len() as u32

@@ -84,7 +84,7 @@ impl Session {
             sharp: None,
             parts,
             not_kept: None,
-            sampled: false,
+            samples_done: 0,
             coverage: Vec::new(),
             held,
             shifted: false,

@@ -56,8 +56,8 @@ pub struct Session {
     pub(crate) parts: Vec<Parts>,
     /// Why lists are rebuilt in each frame, if the mode asks to keep them.
     pub(crate) not_kept: Option<String>,
-    /// Whether the mean over all samples of the pixels is complete.
-    pub(crate) sampled: bool,
+    /// How many of the camera's several samples the mean has; 0 after any other frame.
+    pub(crate) samples_done: u32,
     /// How many of the samples so far show an object, for each pixel of a picture with a transparent background.
     pub(crate) coverage: Vec<u8>,
     /// The exposure that metered pictures keep, if one was held.

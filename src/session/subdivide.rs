@@ -87,6 +87,10 @@ pub fn subdivide(scene: &Scene, options: Options, estimate: bool) -> Result<Opti
             let limit = scene.transport.tolerance;
             let cut = wanted(&object.mesh, &coarse_light[number], &lost[number], limit);
             any |= cut.contains(&true);
+            if cut.contains(&true) && object.mesh.normals.is_none() {
+                // Those of the parts would show each whole triangle as a facet.
+                object.mesh.normals = Some(object.mesh.vertex_normals());
+            }
             let (mesh, from) = object.mesh.split(|face| cut[face]);
             parts[number].cut(&cut, &from);
             *object = Object { mesh, ..object.clone() };

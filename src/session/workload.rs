@@ -5,6 +5,8 @@
 //! across one another's boxes, and each is near to most of the others: both numbers then grow with the triangles'
 //! square.
 
+use rayon::prelude::*;
+
 use super::run::Session;
 use crate::geometry::placement::placed;
 use crate::geometry::trace::may_meet;
@@ -99,7 +101,8 @@ impl Session {
         }
         let sight: Vec<_> = state.data.camera.first().map_or(Vec::new(), some_rays);
         if plan.has(&visibility::STAGE) {
-            let boxes = mean(sight.iter().map(|&[origin, direction]| faces.along(origin, direction)));
+            let along: Vec<f64> = sight.par_iter().map(|&[origin, direction]| faces.along(origin, direction)).collect();
+            let boxes = mean(along.into_iter());
             let (stage, places) = (visibility::STAGE.name, pixels as u64);
             load.rays.push(Rays { stage, per: "pixels", places, samples: None, share: 1.0, boxes });
         }
@@ -207,12 +210,16 @@ impl Places {
 
     /// Share of pairs of one of these places and a light whose ray is cast, and boxes along such a ray, on average.
     /// `light` is the light of a number below `lights`, as place k with this normal sees it.
-    fn shadowed(&self, places: &Self, lights: usize, light: impl Fn(usize, usize, [f32; 3]) -> Light) -> [f64; 2] {
-        let mut boxes = Vec::new();
+    fn shadowed(
+        &self,
+        places: &Self,
+        lights: usize,
+        light: impl Fn(usize, usize, [f32; 3]) -> Light + Sync,
+    ) -> [f64; 2] {
         if places.corners.is_empty() || lights == 0 {
             return [0.0; 2];
         }
-        for k in 0..SAMPLE {
+        let boxes_of = |k: usize| {
             // Another light each time, spread over all of them by the golden ratio.
             let spread = (k as f64 * 0.618_033_988_75).fract() * lights as f64;
             let corners = &places.corners[k * places.corners.len() / SAMPLE];
@@ -221,10 +228,9 @@ impl Places {
             let (light, origin) = (light(spread as usize, k, normal.into()), centroid(corners));
             let far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
             let direction = if far { light.place } else { std::array::from_fn(|k| light.place[k] - origin[k]) };
-            if normal.dot(direction.into()) > 0.0 {
-                boxes.push(self.along(origin, direction));
-            }
-        }
+            (normal.dot(direction.into()) > 0.0).then(|| self.along(origin, direction))
+        };
+        let boxes: Vec<f64> = (0..SAMPLE).into_par_iter().filter_map(boxes_of).collect();
         [boxes.len() as f64 / SAMPLE as f64, mean(boxes.into_iter())]
     }
 
@@ -233,9 +239,11 @@ impl Places {
         // The trace of a triangle's second moment: its edges' squares over 36.
         let reach = |t: &[[f32; 3]; 3]| NEAR * (square(t[0], t[1]) + square(t[1], t[2]) + square(t[2], t[0])) / 36.0;
         let known: Vec<_> = self.corners.iter().map(|corners| (centroid(corners), reach(corners))).collect();
-        mean(self.some().map(|corners| {
+        let some: Vec<_> = self.some().collect();
+        let near = |corners: &&[[f32; 3]; 3]| {
             let place = centroid(corners);
             self.each * known.iter().filter(|(center, reach)| square(place, *center) <= *reach).count() as f64
-        }))
+        };
+        mean(some.par_iter().map(near).collect::<Vec<_>>().into_iter())
     }
 }

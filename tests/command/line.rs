@@ -59,13 +59,13 @@ fn render_writes_a_png_and_nothing_else() {
     let sum: f64 = phases.iter().chain(&frames).map(|row| ms(row)).sum::<f64>() + ms("the rest") + ms("total");
     // Stages that run side by side may take more than their frame.
     assert!(sum > 0.99 * all && phases.iter().chain(&frames).all(|row| ms(row) <= all), "{sum} of {all}: {out}");
-    // Every sample counts: one frame through the centres, and three more.
+    // Every sample counts, and there is no frame beside them.
     let (out, _) = good(&here, &format!("render {SMALL} -o c.png --size 2x1 --times --set camera.samples=3"));
     let steps = |stage: &str| -> usize {
         let line = out.lines().find(|line| line.starts_with(stage)).unwrap();
         line.split_whitespace().nth(1).unwrap().parse().unwrap()
     };
-    assert_eq!((steps("visibility"), steps("refit"), steps("shade")), (4, 1, 4), "{out}");
+    assert_eq!((steps("visibility"), steps("refit"), steps("shade")), (3, 1, 3), "{out}");
     assert_eq!(&bytes(&here, "b.png")[16..24], &[0, 0, 0, 1, 0, 0, 0, 1]);
 }
 

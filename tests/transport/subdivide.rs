@@ -73,6 +73,26 @@ fn error(scene: &Scene, values: &[[f64; 3]], exact: &[[f64; 3]]) -> f64 {
 }
 
 #[test]
+fn parts_are_shaded_as_the_whole_triangle() {
+    let sets = ["object.0.shape='sphere'", "object.0.detail=1", "transport.subdivide=2"];
+    let scene = scene(&sets);
+    let (fine, parts) = subdivide(&scene, options(), false).unwrap().expect("a border of a shadow");
+    let (mesh, whole) = (&fine.objects[0].mesh, &scene.objects[0].mesh);
+    let (normals, around) = (mesh.normals.as_ref().expect("normals"), whole.vertex_normals());
+    assert!(mesh.triangles.len() > 2 * whole.triangles.len());
+    assert_eq!(normals[..around.len()], around);
+    // Those of the parts themselves lie along the triangle's own normal, up to 20 degrees away.
+    let flat = mesh.vertex_normals();
+    let off = |of: &[glam::DVec3]| {
+        let angle = |(n, p): (&glam::DVec3, &glam::DVec3)| n.angle_between(*p).to_degrees();
+        of.iter().zip(&mesh.positions).map(angle).fold(0.0, f64::max)
+    };
+    assert!(off(normals) < 5.0 && off(&flat) > 10.0, "{} {}", off(normals), off(&flat));
+    // What is not cut has none of its own.
+    assert!(parts[1].of.len() == scene.objects[1].mesh.triangles.len() && fine.objects[1].mesh.normals.is_none());
+}
+
+#[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_borders_of_shadows_are_where_they_are() {
     for tolerance in ["transport.tolerance=1e-2", "transport.tolerance=1e-3"] {

@@ -20,7 +20,7 @@ pub(crate) struct Touching {
 
 /// The kernel with notes at [`super::BINDING`]; none where the SPIR-V is not of the kind that the build makes.
 pub(crate) fn touching(name: &str, words: &[u32]) -> Option<Touching> {
-    let strides: BTreeMap<u32, usize> = reflect(name, words).ok()?.strides;
+    let strides: BTreeMap<u32, usize> = reflect(name, words).ok()?.strides.clone();
     let notes: Vec<(u32, usize)> = strides.into_iter().collect();
     let module = Module::of(words);
     let mut out = Edited::begin(words)?;

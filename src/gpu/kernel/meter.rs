@@ -86,7 +86,7 @@ impl Kernel {
     ) -> Result<Self> {
         let Some(counted) = counted(&words) else { return Self::new(device, name, words, constants) };
         // What counts elects one of a subgroup, whichever are there: it asks for no more than the kernel does.
-        let (shape, shuffles) = (Shape::of(device, name, &reflect(name, &words)?), has_subgroups(&words));
+        let (shape, shuffles) = (Shape::of(device, name, &*reflect(name, &words)?), has_subgroups(&words));
         let mut kernel = Self::shaped(device, name, counted.words, constants, (shape, shuffles))?;
         kernel.meter = Some(Meter::new(device, counted.blocks)?);
         Ok(kernel)

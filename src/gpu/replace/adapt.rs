@@ -58,7 +58,7 @@ pub(super) fn adapted(
     } else {
         words
     };
-    let mut constants = reflect(kernel, &words)?.constants;
+    let mut constants = reflect(kernel, &words)?.constants.clone();
     constants.retain(|id, _| is_extra(id));
     let part = |(id, constant): (&u32, &SpecConstant)| (*id, constant.ty.clone());
     let mut places: Vec<Place> = Vec::new();

@@ -15,12 +15,13 @@ const SLIVER: f64 = 1e-7;
 /// The cleaned mesh, with faces in the order of the input, and for each of its vertices the number of the input's
 /// vertex. Open edges are not counted yet.
 pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<u32>)> {
-    let Soup { positions, triangles, input_face, uvs, unused, notes } = soup;
+    let Soup { positions, triangles, input_face, uvs, normals, unused, notes } = soup;
     report.extend(notes);
     let (first, welded) = weld(&positions);
 
     // Keep faces with three different corners and an area.
     let mut mesh = Mesh { uvs: uvs.as_ref().map(|_| Vec::new()), ..Mesh::default() };
+    mesh.corner_normals = normals.as_ref().map(|_| Vec::new());
     let (mut repeated, mut slivers) = (0, 0);
     for (triangle, (corners, face)) in triangles.iter().zip(input_face).enumerate() {
         let [a, b, c] = corners.map(|corner| first[corner as usize]);
@@ -32,6 +33,9 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<
             mesh.triangles.push([a, b, c]);
             mesh.input_face.push(face);
             if let (Some(kept), Some(all)) = (&mut mesh.uvs, &uvs) {
+                kept.push(all[triangle]);
+            }
+            if let (Some(kept), Some(all)) = (&mut mesh.corner_normals, &normals) {
                 kept.push(all[triangle]);
             }
         }
@@ -53,21 +57,10 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<
         keep(&mut mesh.triangles, &again);
         keep(&mut mesh.input_face, &again);
         mesh.uvs.iter_mut().for_each(|uvs| keep(uvs, &again));
+        mesh.corner_normals.iter_mut().for_each(|normals| keep(normals, &again));
     }
 
-    // Renumber vertices in the order of first use.
-    let mut number = vec![u32::MAX; positions.len()];
-    let mut from = Vec::new();
-    for corner in mesh.triangles.iter_mut().flatten() {
-        let old = *corner as usize;
-        if number[old] == u32::MAX {
-            number[old] = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
-            mesh.positions.push(positions[old]);
-            from.push(*corner);
-        }
-        *corner = number[old];
-    }
-
+    let from = renumber(&mut mesh, &positions);
     let unused = unused + (positions.len() - welded - mesh.positions.len());
     let repairs = [
         (welded, "welded", "vertices in the place of another one"),
@@ -82,6 +75,22 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<
         }
     }
     Ok((mesh, from))
+}
+
+/// Numbers the vertices of a mesh in the order of first use; returns for each the one of `positions`.
+fn renumber(mesh: &mut Mesh, positions: &[DVec3]) -> Vec<u32> {
+    let mut number = vec![u32::MAX; positions.len()];
+    let mut from = Vec::new();
+    for corner in mesh.triangles.iter_mut().flatten() {
+        let old = *corner as usize;
+        if number[old] == u32::MAX {
+            number[old] = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
+            mesh.positions.push(positions[old]);
+            from.push(*corner);
+        }
+        *corner = number[old];
+    }
+    from
 }
 
 /// For each vertex the first one at the same position, and the number of duplicates.

@@ -50,9 +50,11 @@ pub struct Mesh {
     /// Texture coordinates of each triangle's corners, if it has any, one entry per triangle: (0, 0) is the lower left,
     /// (1, 1) the upper right corner of the texture.
     pub uvs: Option<Vec<[[f64; 2]; 3]>>,
-    /// Unit normals of the vertices that shading interpolates in place of those of the triangles around them: the parts
-    /// of a divided triangle lie in its plane, and have the normals of the whole.
+    /// Unit normals of the vertices that shading interpolates in place of those of the triangles around them: a file
+    /// may have some, and the parts of a divided triangle lie in its plane, and have the normals of the whole.
     pub normals: Option<Vec<DVec3>>,
+    /// While the mesh is read: normals of each triangle's corners in its file, 0 where there is none.
+    pub corner_normals: Option<Vec<[DVec3; 3]>>,
     /// The number of edges with one triangle only; 0 when the mesh is closed.
     pub open_edges: usize,
     /// For a subdivided mesh, how often each triangle was split in four: the four parts are consecutive, the middle one
@@ -72,15 +74,17 @@ impl Mesh {
     pub const BYTES: u64 = 150;
 
     /// Reads, cleans and orients a mesh file or a part of it; repairs and warnings are added to `report`. `wanted` are
-    /// texture coordinates, if there is a texture: every corner must then have them.
+    /// texture coordinates, if there is a texture: every corner must then have them. `normals` says whether those of
+    /// the file are used, if it has some.
     pub(super) fn read(
         files: &Files,
         path: &Path,
         part: Option<u32>,
         wanted: Option<Coordinates<'_>>,
+        normals: bool,
         report: &mut Vec<String>,
     ) -> Checked<Self> {
-        let soup = phase("reading meshes", || import::read(files, path, part, wanted))?;
+        let soup = phase("reading meshes", || import::read(files, path, part, wanted, normals))?;
         let clean = || clean::clean(soup, report).map_err(|fault| fault.file(path));
         let (mut mesh, _) = phase("cleaning meshes", clean)?;
         let (low, high) = mesh.bounds();
@@ -91,7 +95,7 @@ impl Mesh {
         }
         let orient = || orient::orient(&mut mesh, report).map_err(|fault| fault.file(path));
         phase("orienting meshes", orient)?;
-        Ok(mesh)
+        Ok(mesh.with_normals_of_corners(report))
     }
 
     /// A mesh built here, which is known to be clean, closed unless the caller says otherwise, and oriented outwards.
@@ -114,15 +118,16 @@ impl Mesh {
         Some([at(a)?, at(b)?, at(c)?])
     }
 
-    /// Unit normals of the vertices, area-weighted; 0 where they cancel.
+    /// Unit normals of the vertices from the triangles around them, weighted by area; where those cancel, that of one
+    /// of them.
     pub fn vertex_normals(&self) -> Vec<DVec3> {
-        let mut sums = vec![DVec3::ZERO; self.positions.len()];
+        let mut around = vec![Vec::new(); self.positions.len()];
         for &[a, b, c] in &self.triangles {
             let [p, q, r] = [a, b, c].map(|v| self.positions[v as usize]);
-            let normal = (q - p).cross(r - p);
-            [a, b, c].into_iter().for_each(|v| sums[v as usize] += normal);
+            let area = 0.5 * (q - p).cross(r - p);
+            [a, b, c].into_iter().for_each(|v| around[v as usize].push((area, area.length())));
         }
-        sums.into_iter().map(DVec3::normalize_or_zero).collect()
+        around.iter().map(|faces| vertex_normal(faces.iter().copied()).normalize_or_zero()).collect()
     }
 
     /// The number of triangles at each vertex.
@@ -179,6 +184,18 @@ impl Mesh {
     }
 }
 
+/// A sum of vector areas vanishes below this share of the areas: only rounding is left.
+const VANISHED: f64 = 1e-5;
+
+/// The vector area at a vertex with faces of these vector areas and areas: their sum, or where it vanishes, as between
+/// two sides of a sheet, that of the first face with an area.
+pub fn vertex_normal(faces: impl Iterator<Item = (DVec3, f64)> + Clone) -> DVec3 {
+    let area: f64 = faces.clone().map(|(_, area)| area).sum();
+    let sum: DVec3 = faces.clone().map(|(normal, _)| normal).sum();
+    let mut whole = faces.filter(|(_, area)| *area > 0.0).map(|(normal, _)| normal);
+    if sum.length() > VANISHED * area { sum } else { whole.next().unwrap_or_default() }
+}
+
 /// The index of a vertex as `u32`; shapes have far fewer than 2^32.
 fn number(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
@@ -187,6 +204,18 @@ fn number(index: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn normals_that_cancel_are_those_of_a_triangle() {
+        let up = (DVec3::new(0.0, 0.0, 2.0), 2.0);
+        let down = (DVec3::new(0.0, 1e-7, -2.0), 2.0);
+        assert_eq!(vertex_normal([up, down].into_iter()), up.0);
+        let none = (DVec3::ZERO, 0.0);
+        assert_eq!(vertex_normal([none, down, up].into_iter()), down.0);
+        assert_eq!(vertex_normal([none, none].into_iter()), DVec3::ZERO);
+        let side = (DVec3::X, 1.0);
+        assert_eq!(vertex_normal([up, down, side].into_iter()), up.0 + down.0 + DVec3::X);
+    }
 
     #[test]
     fn resizing_centres_and_scales() {
@@ -210,7 +239,7 @@ mod tests {
                     f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
         std::fs::write(&path, cube).expect("written");
         let mut report = Vec::new();
-        let mesh = Mesh::read(&Files::default(), &path, None, None, &mut report).expect("a cube");
+        let mesh = Mesh::read(&Files::default(), &path, None, None, true, &mut report).expect("a cube");
         assert_eq!((mesh.triangles.len(), mesh.open_edges), (12, 0));
         assert_eq!(mesh.input_face, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
         assert!((mesh.volume() - 1.0).abs() < 1e-12);

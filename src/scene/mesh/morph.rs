@@ -33,7 +33,7 @@ impl Mesh {
         key: &str,
     ) -> Checked<[Vec<DVec3>; 2]> {
         let (path, part) = source;
-        let [rest, end] = [path, other].map(|path| import::read(files, path, part, None));
+        let [rest, end] = [path, other].map(|path| import::read(files, path, part, None, false));
         let (rest, end) = (rest?, end?);
         let fault = |what: &str, found: String, expected: String| {
             Err(Input::new(what).key(key).found(found).expected(expected))

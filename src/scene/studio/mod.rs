@@ -257,7 +257,8 @@ fn both_sides(table: &mut Table, sheets: &[usize], count: usize, name: &str) -> 
     format!("{name}: {which}, lit from both sides (--set object.{}.material.two_sided=false: from one)", sheets[0])
 }
 
-/// Makes surfaces glossy that have no reflection of their own, and gives translucent objects the preset, if any.
+/// Makes surfaces glossy that have no reflection of their own, lets all light leave that radiosity says, and gives
+/// translucent objects the preset, if any.
 fn look(table: &mut Table, preset: Option<&str>) {
     objects(table, |object| {
         let Some(Value::Table(material)) = object.get_mut("material") else { return };
@@ -265,7 +266,11 @@ fn look(table: &mut Table, preset: Option<&str>) {
             material.insert("reflection".into(), "ggx".into());
             material.insert("roughness".into(), Value::Float(0.3));
         }
-        if let (Some(preset), false) = (preset, material.contains_key("opaque")) {
+        if material.contains_key("opaque") {
+            return;
+        }
+        material.entry("normalize_exit").or_insert(Value::Boolean(true));
+        if let Some(preset) = preset {
             material.retain(|key, _| !["sigma_s_prime", "sigma_a", "eta"].contains(&key));
             material.insert("preset".into(), preset.into());
         }

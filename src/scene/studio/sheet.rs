@@ -47,6 +47,8 @@ fn is_sheet(mesh: &Mesh) -> bool {
     if mesh.open_edges == 0 {
         return false;
     }
+    // Normals of a file part vertices where nothing ends.
+    let mesh = &if mesh.normals.is_some() { mesh.joined() } else { mesh.clone() };
     // Parts and their areas.
     let mut parts = Groups::of(mesh.positions.len());
     for &[a, b, c] in &mesh.triangles {

@@ -52,6 +52,23 @@ fn a_mesh_stands_on_its_feet() {
 }
 
 #[test]
+fn all_light_leaves_in_the_studio_whatever_the_preset() {
+    for preset in Preset::names() {
+        let wishes = || Wishes { preset: Some(preset.into()), ..Wishes::default() };
+        let (_folder, made) = studio(&table(1, 2.0), &[], wishes());
+        let made = [made, Studio::around_shape("torus", &Files::default(), wishes()).expect("a studio")];
+        for scene in made.map(|made| made.scene(0.0, &[], 0.0, &Files::default()).expect("a scene")) {
+            assert!(scene.objects[0].material.surface.normalize_exit, "{preset}");
+        }
+    }
+    let set = "object.0.material.normalize_exit=false";
+    let (_folder, made) = studio(&table(1, 2.0), &[], Wishes { ground: true, ..Wishes::default() });
+    let scene = made.scene(0.0, &[set.into()], 0.0, &Files::default()).expect("a scene");
+    let normalized = scene.objects.iter().map(|object| object.material.surface.normalize_exit);
+    assert_eq!(normalized.collect::<Vec<_>>(), [false; 2], "as it is set, and the table is opaque");
+}
+
+#[test]
 fn skin_is_larger_unless_a_size_is_given() {
     let cases = [("marble", None, "", 20), ("skin1", None, "", 40), ("Skin 2", None, "camera.size=[9, 9]", 40)];
     let given = [("skin1", Some(30.0), "camera.size=[9, 9]", 30), ("skin1", None, "object.0.size=25", 25)];

@@ -52,6 +52,8 @@ pub(super) struct Soup {
     pub input_face: Vec<u32>,
     /// Texture coordinates of each triangle's corners, if requested.
     pub uvs: Option<Vec<[[f64; 2]; 3]>>,
+    /// Normals of each triangle's corners, of any length, if requested and the file has some; 0 at corners without.
+    pub normals: Option<Vec<[DVec3; 3]>>,
     /// Vertices of the file that no face uses.
     pub unused: usize,
     /// What the file has that is ignored, one line each.
@@ -122,8 +124,14 @@ fn is_obj(bytes: &[u8]) -> bool {
 }
 
 /// Reads a file, or a part of it; every error carries the file, and the line if one statement is to blame. `wanted` are
-/// texture coordinates, if the mesh is to have any.
-pub(super) fn read(files: &Files, path: &Path, part: Option<u32>, wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
+/// texture coordinates, if the mesh is to have any; `normals` says whether it is to have those of the file.
+pub(super) fn read(
+    files: &Files,
+    path: &Path,
+    part: Option<u32>,
+    wanted: Option<Coordinates<'_>>,
+    normals: bool,
+) -> Checked<Soup> {
     let bytes = bytes_of(files, path, 1)?;
     let format = Format::of(path, &bytes);
     if let (Some(part), Some(Format::Obj | Format::Ply | Format::Stl)) = (part, format) {
@@ -131,9 +139,9 @@ pub(super) fn read(files: &Files, path: &Path, part: Option<u32>, wanted: Option
         return Err(fault.expected("no key `part`, or a glTF file, whose parts are its materials"));
     }
     let read = match format {
-        Some(Format::Gltf) => gltf::read(files, path, &bytes, part, wanted),
-        Some(Format::Obj) => obj::read(files, &bytes, wanted),
-        Some(Format::Ply) => ply::read(files, &bytes, wanted),
+        Some(Format::Gltf) => gltf::read(files, path, &bytes, part, (wanted, normals)),
+        Some(Format::Obj) => obj::read(files, &bytes, wanted, normals),
+        Some(Format::Ply) => ply::read(files, &bytes, wanted, normals),
         Some(Format::Stl) => stl::read(files, &bytes, wanted),
         None => Err(Input::new("the mesh is in no format that can be read").expected(FORMATS)),
     };

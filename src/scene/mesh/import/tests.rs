@@ -23,13 +23,14 @@ fn the_content_tells_the_format_and_the_name_only_without_it() {
 fn file_faults_name_the_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("gone.obj");
-    let error = read(&Files::default(), &path, None, None).err().map(|e| e.to_string()).unwrap_or_default();
+    let error = read(&Files::default(), &path, None, None, true).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(error.ends_with("gone.obj: there is no such mesh file"), "{error}");
-    let error = read(&Files::default(), folder.path(), None, None).err().map(|e| e.to_string()).unwrap_or_default();
+    let error =
+        read(&Files::default(), folder.path(), None, None, true).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(error.contains(": the mesh is not a plain file; expected"), "{error}");
     for bytes in [&b""[..], b"v 0 0 0\n", b"\xfd\xfe\0\0\x80"] {
         std::fs::write(&path, bytes).expect("written");
-        let error = read(&Files::default(), &path, None, None).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = read(&Files::default(), &path, None, None, true).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains("gone.obj: the mesh has no faces; found no `f`"), "{error}");
     }
     for (bytes, words) in [
@@ -40,10 +41,10 @@ fn file_faults_name_the_file() {
         (b"\0v\0 \x000\0 ", "UTF-16 text"),
     ] {
         std::fs::write(&path, bytes).expect("written");
-        let error = read(&Files::default(), &path, None, None).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = read(&Files::default(), &path, None, None, true).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains(&format!("gone.obj: the mesh file cannot be read; found {words}")), "{error}");
     }
     std::fs::write(&path, format!("{SQUARE}f 1 2 7\n")).expect("written");
-    let error = read(&Files::default(), &path, None, None).err().map(|e| e.to_string()).unwrap_or_default();
+    let error = read(&Files::default(), &path, None, None, true).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(error.contains("gone.obj:5: a face names a vertex that is not there"), "{error}");
 }

@@ -142,6 +142,7 @@ fn apply(mesh: &mut Mesh, reversed: &[bool]) {
     }
     turn(&mut mesh.triangles, reversed);
     turn(mesh.uvs.as_deref_mut().unwrap_or_default(), reversed);
+    turn(mesh.corner_normals.as_deref_mut().unwrap_or_default(), reversed);
 }
 
 fn area([a, b, c]: [DVec3; 3]) -> f64 {

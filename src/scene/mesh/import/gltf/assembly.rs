@@ -6,7 +6,7 @@ use super::tree::{Local, Tree};
 use super::{Checked, Files, Input, LARGEST};
 use crate::scene::mesh::import::unread;
 use crate::scene::skin::{Pose, Rig};
-use glam::{DMat4, DVec3};
+use glam::{DMat3, DMat4, DVec3};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::texture::Info;
 use gltf::json::validation::Checked::Valid;
@@ -161,6 +161,29 @@ impl<'a> Assembly<'a> {
             all.extend(uvs);
         }
         Ok(Some(self.triangles.iter().map(|corners| corners.map(|corner| all[corner as usize])).collect()))
+    }
+
+    /// Normals of the triangles' corners, turned by their matrices; 0 for a primitive that has none, or that morph
+    /// targets change. None if all are such.
+    pub fn normals(&self, document: &Document, files: &Files) -> Checked<Option<Vec<[DVec3; 3]>>> {
+        let mut all = Vec::with_capacity(self.base.len());
+        for Placed { primitive, piece, weights, .. } in &self.pieces {
+            let morphed = !piece.targets.is_empty() && weights.iter().any(|weight| *weight != 0.0);
+            let own = if morphed { None } else { primitive::normals(document, files, primitive)? };
+            let none = || vec![DVec3::ZERO; piece.positions.len()];
+            all.extend(own.filter(|own| own.len() == piece.positions.len()).unwrap_or_else(none));
+        }
+        // The matrix of cofactors keeps a normal perpendicular; a mirror turns it over.
+        let turned = |matrix: usize, normal: DVec3| {
+            let DMat3 { x_axis, y_axis, z_axis } = DMat3::from_mat4(self.matrices[matrix]);
+            DMat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis)) * normal
+        };
+        for (normal, influences) in all.iter_mut().zip(self.influences.chunks_exact(self.count)) {
+            let of = |&(matrix, weight): &(u32, f64)| weight * turned(matrix as usize, *normal).normalize_or_zero();
+            *normal = influences.iter().map(of).sum();
+        }
+        let some = all.iter().any(|normal| *normal != DVec3::ZERO);
+        Ok(some.then(|| self.triangles.iter().map(|corners| corners.map(|corner| all[corner as usize])).collect()))
     }
 
     /// The rig of these vertices: each piece has a row of weights.

@@ -25,13 +25,14 @@ mod tree;
 use assembly::Assembly;
 use tint::Tint;
 
-/// Reads the mesh of a part, or of all parts, from a file's bytes; what the file names is beside `path`.
+/// Reads the mesh of a part, or of all parts, from a file's bytes; what the file names is beside `path`. `wanted` are
+/// texture coordinates and normals.
 pub(super) fn read(
     files: &Files,
     path: &Path,
     bytes: &[u8],
     part: Option<u32>,
-    wanted: Option<Coordinates<'_>>,
+    (wanted, normals): (Option<Coordinates<'_>>, bool),
 ) -> Checked<Soup> {
     let document = Document::open(files, path, bytes)?;
     let tree = Tree::of(&document)?;
@@ -57,11 +58,12 @@ pub(super) fn read(
         let fault = Input::new("a texture coordinate is out of range").found(format!("{place:?}"));
         return Err(fault.expected("numbers from -10,000 to 10,000"));
     }
+    let normals = if normals { assembly.normals(&document, files)? } else { None };
     let corners = assembly.triangles.clone().into_iter().flatten();
     let (soup, _) = compact(&positions?, corners, assembly.triangles, input_face);
     // Say it once for a file whose parts are objects.
     let notes = if part.is_none_or(|part| part == 0) { document.ignored() } else { None };
-    Ok(Soup { uvs, notes: notes.into_iter().collect(), ..soup })
+    Ok(Soup { uvs, normals, notes: notes.into_iter().collect(), ..soup })
 }
 
 /// The texture of a part.

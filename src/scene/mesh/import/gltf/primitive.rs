@@ -154,6 +154,12 @@ pub(super) fn uvs(
     Ok(Some(document.vectors(files, index)?.into_iter().map(place).collect()))
 }
 
+/// Normals of the vertices; none if the primitive has none.
+pub(super) fn normals(document: &Document, files: &Files, primitive: &Primitive) -> Checked<Option<Vec<DVec3>>> {
+    let Some(index) = attribute(primitive, Semantic::Normals) else { return Ok(None) };
+    Ok(Some(document.vectors(files, index)?.into_iter().map(DVec3::from_array).collect()))
+}
+
 /// Colours of the vertices, r g b, linear, 0 to 1; none if the primitive has none.
 pub(super) fn colors(document: &Document, files: &Files, primitive: &Primitive) -> Checked<Option<Vec<[f32; 3]>>> {
     let Some(index) = attribute(primitive, Semantic::Colors(0)) else { return Ok(None) };

@@ -1,8 +1,8 @@
 //! Reads Wavefront OBJ: positions and faces as they are in the file, polygons cut into triangles.
 //!
-//! Materials, groups, normals, points and lines are ignored, so that an error in them, or a missing `.mtl` file, does
-//! not matter. Texture coordinates, the library that names a texture, and the colours of vertices are read only if a
-//! texture is requested.
+//! Materials, groups, points and lines are ignored, so that an error in them, or a missing `.mtl` file, does not
+//! matter; nor does one in normals, which are made where they are missing. Texture coordinates, the library that names
+//! a texture, and the colours of vertices are read only if a texture is requested.
 
 use super::polygon::Cutter;
 use super::{Coordinates, LARGEST, MOST_UV, Soup, Texels, bytes_of, colors, text_of};
@@ -25,7 +25,7 @@ const COPIES: u64 = 3;
 const BYTES: u64 = 150;
 
 /// Reads a file's bytes; an error carries the line if one statement is to blame.
-pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
+pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>, normals: bool) -> Checked<Soup> {
     // Names and comments may be in any encoding; what matters is ASCII.
     let text = text_that_fits(files, bytes)?;
     let Parsed { mut soup, cuts, .. } = parse(&text, false)?;
@@ -33,14 +33,14 @@ pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>)
     if is_colored(&text) && !colored {
         soup.notes.push(colors::LEFT_OUT.to_owned());
     }
+    let faces = soup.input_face.clone();
+    let cuts = faces.into_iter().zip(cuts);
     soup.uvs = match wanted {
         None => None,
         Some(_) if colored => Some(colors::corners(soup.triangles.len())),
-        Some(wanted) => {
-            let cuts = soup.input_face.iter().copied().zip(cuts);
-            Some(uv::corners(&text, cuts).map_err(|fault| fault.key(wanted.key))?)
-        }
+        Some(wanted) => Some(uv::corners(&text, cuts.clone()).map_err(|fault| fault.key(wanted.key))?),
     };
+    soup.normals = if normals { uv::normals(&text, cuts) } else { None };
     Ok(soup)
 }
 
@@ -244,7 +244,8 @@ mod tests {
             face += &format!(" {0}/{0}", k + 1);
         }
         let wanted = Some(Coordinates { key: "texture", own: false });
-        let soup = read(&Files::default(), format!("{text}{face}\n").as_bytes(), wanted).expect("four triangles");
+        let soup =
+            read(&Files::default(), format!("{text}{face}\n").as_bytes(), wanted, false).expect("four triangles");
         let at = |corner: u32| soup.positions[corner as usize];
         let doubled = soup.triangles.iter().map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)).z);
         assert_eq!((soup.triangles.len(), doubled.sum::<f64>()), (4, 6.0));
@@ -262,15 +263,15 @@ mod tests {
         let (_, texels) = of("v 0 0 0 255 128 0 255\nv 1 0 0 0 0 0 9\nv 0 1 0 0 0 0 9\nf 1 2 3\n").expect("colours");
         assert!(texels[0][0] == 1.0 && (texels[0][1] - 0.215_860_5).abs() < 1e-6, "{:?}", texels[0]);
         let own = |own: bool| Some(Coordinates { key: "texture", own });
-        let soup = |wanted| read(&Files::default(), three.as_bytes(), wanted).expect("a triangle");
+        let soup = |wanted| read(&Files::default(), three.as_bytes(), wanted, false).expect("a triangle");
         assert_eq!(soup(own(true)).uvs, Some(colors::corners(1)));
         assert_eq!((soup(own(true)).notes.len(), soup(None).notes.len()), (0, 1));
         for text in [format!("{SQUARE}f 1 2 3\n"), "v 0 0 0 a b c\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".into()] {
             assert!(of(&text).is_err_and(|words| words.starts_with("the vertices have no colours")));
-            assert!(read(&Files::default(), text.as_bytes(), None).expect("a triangle").notes.is_empty());
+            assert!(read(&Files::default(), text.as_bytes(), None, false).expect("a triangle").notes.is_empty());
         }
         let text = three.replace('\n', "\r");
-        assert_eq!(read(&Files::default(), text.as_bytes(), None).expect("old line ends").triangles.len(), 1);
+        assert_eq!(read(&Files::default(), text.as_bytes(), None, false).expect("old line ends").triangles.len(), 1);
     }
 
     #[test]

@@ -1,8 +1,9 @@
-//! Texture coordinates: `vt` statements, and the corners of faces that refer to them.
+//! Texture coordinates and normals: `vt` and `vn` statements, and the corners of faces that refer to them.
 
 use super::{MOST_UV, statements};
 use crate::error::Input;
 use crate::scene::range::Checked;
+use glam::DVec3;
 
 /// Texture coordinates of each triangle's corners. `cuts` are the face of each triangle, in the order of the file, and
 /// the corners of the face that it has. An error carries its line.
@@ -34,6 +35,36 @@ pub(super) fn corners(text: &str, cuts: impl Iterator<Item = (u32, [u32; 3])>) -
         faces.push(numbers.iter().map(at).collect::<Checked<Vec<_>>>()?);
     }
     Ok(cuts.map(|(face, cut)| cut.map(|corner| faces[face as usize][corner as usize])).collect())
+}
+
+/// Normals of each triangle's corners, by `cuts` as in [`corners`]; 0 where a corner names none, or none that is there.
+/// None if no corner has one.
+pub(super) fn normals(text: &str, cuts: impl Iterator<Item = (u32, [u32; 3])>) -> Option<Vec<[DVec3; 3]>> {
+    let mut all = Vec::new();
+    let mut named: Vec<Vec<Option<usize>>> = Vec::new();
+    for (_, statement) in statements(text) {
+        let mut words = statement.split_whitespace();
+        match words.next() {
+            Some("vn") => {
+                let mut number = || words.next().and_then(|word| word.parse().ok()).unwrap_or(f64::NAN);
+                all.push(DVec3::new(number(), number(), number()));
+            }
+            Some("f") => {
+                let index = |corner: &str| match corner.split('/').nth(2)?.parse::<i64>() {
+                    Ok(number) if number > 0 => usize::try_from(number - 1).ok(),
+                    Ok(number) => usize::try_from(number.checked_add(i64::try_from(all.len()).ok()?)?).ok(),
+                    Err(_) => None,
+                };
+                named.push(words.map(index).collect());
+            }
+            _ => {}
+        }
+    }
+    let normal = |number: &Option<usize>| number.and_then(|number| all.get(number)).copied();
+    let faces: Vec<Vec<_>> = named.iter().map(|face| face.iter().map(normal).collect()).collect();
+    let some = faces.iter().flatten().any(Option::is_some);
+    let at = |face: u32, corner: u32| faces[face as usize][corner as usize].unwrap_or_default();
+    some.then(|| cuts.map(|(face, cut)| cut.map(|corner| at(face, corner))).collect())
 }
 
 /// The first two numbers of a `vt` statement; the second defaults to 0.
@@ -74,6 +105,19 @@ mod tests {
         let found = corners(text, cuts.into_iter()).expect("three triangles");
         let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0], [0.0, 1.0]];
         assert_eq!(found, [[a, b, c], [a, c, b], [d, c, b]]);
+    }
+
+    #[test]
+    fn normals_that_are_not_there_do_not_matter() {
+        let text = "vn 0 0 1\nvn 0 2 0\nf 1//1 2/7/2 3//-1 4/1\nvn x\nf 1//9 2//0 3//3\nf 1//-9 2//y 3//2\n";
+        let cuts = [(0, [0, 1, 2]), (0, [0, 2, 3]), (1, [0, 1, 2]), (2, [0, 1, 2])];
+        let found = normals(text, cuts.into_iter()).expect("normals");
+        let [none, z, y] = [DVec3::ZERO, DVec3::Z, 2.0 * DVec3::Y];
+        assert_eq!(found[..2], [[z, y, y], [z, y, none]]);
+        // Index 0 is no corner's, and the third normal is no direction.
+        assert!(found[2][0] == none && found[2][2].is_nan());
+        assert_eq!(found[3], [none, none, y]);
+        assert_eq!(normals("vn 0 0 1\nf 1 2/1 3//\n", [(0, [0, 1, 2])].into_iter()), None);
     }
 
     #[test]

@@ -8,6 +8,8 @@ use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 pub(super) struct Vertex {
     /// Its position.
     pub position: [f64; 3],
+    /// Its normal, of any length; 0 if it has none.
+    pub normal: [f64; 3],
     /// Its texture coordinates.
     pub uv: [f64; 2],
     /// Its colour, r g b, linear, 0 to 1.
@@ -43,6 +45,12 @@ impl PropertyAccess for Vertex {
             "x" => &mut self.position[0],
             "y" => &mut self.position[1],
             "z" => &mut self.position[2],
+            "nx" | "ny" | "nz" => {
+                // Made anew where it is none, so that it cannot refuse a file.
+                let axis = ["nx", "ny"].iter().position(|other| *other == name).unwrap_or(2);
+                self.normal[axis] = number(&property).unwrap_or_default();
+                return PropertyAccessResult::Ignored;
+            }
             "u" | "s" | "texture_u" => &mut self.uv[0],
             "v" | "t" | "texture_v" => &mut self.uv[1],
             "red" | "green" | "blue" => {

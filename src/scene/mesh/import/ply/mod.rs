@@ -1,5 +1,5 @@
-//! Reads PLY, ascii and binary of either byte order: element `vertex`, with positions, texture coordinates and colours,
-//! and lists of corners in element `face`, cut into triangles.
+//! Reads PLY, ascii and binary of either byte order: element `vertex`, with positions, normals, texture coordinates and
+//! colours, and lists of corners in element `face`, cut into triangles.
 
 use super::polygon::Cutter;
 use super::{Coordinates, MOST_UV, Soup, Texels, checked, colors, compact, text_of, unread};
@@ -23,7 +23,8 @@ const BYTES: u64 = 200;
 struct Ply {
     vertices: Vec<Vertex>,
     faces: Vec<Face>,
-    /// Whether vertices have texture coordinates, and whether they have colours.
+    /// Whether vertices have normals, texture coordinates and colours.
+    has_normal: bool,
     has_uv: bool,
     has_color: bool,
 }
@@ -38,7 +39,7 @@ struct Cut {
 }
 
 /// Reads a file's bytes; an error carries the line if one is to blame.
-pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
+pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>, normals: bool) -> Checked<Soup> {
     let ply = Ply::read(files, bytes)?;
     let Cut { triangles, input_face, corners } = ply.cut()?;
     let uvs = match wanted {
@@ -46,10 +47,12 @@ pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>)
         Some(wanted) if wanted.own && ply.has_color => Some(colors::corners(triangles.len())),
         Some(wanted) => Some(ply.uvs(wanted.key, &input_face, &corners)?),
     };
+    let normal = |corner: u32| DVec3::from_array(ply.vertices[corner as usize].normal);
+    let normals = (normals && ply.has_normal).then(|| triangles.iter().map(|corners| corners.map(normal)).collect());
     let used = ply.faces.iter().filter(|face| face.corners.len() > 2).flat_map(|face| &face.corners);
     let (soup, _) = compact(&ply.positions()?, used.copied(), triangles, input_face);
     let ignored = ply.has_color && !wanted.is_some_and(|wanted| wanted.own);
-    Ok(Soup { uvs, notes: ignored.then(|| colors::LEFT_OUT.to_owned()).into_iter().collect(), ..soup })
+    Ok(Soup { uvs, normals, notes: ignored.then(|| colors::LEFT_OUT.to_owned()).into_iter().collect(), ..soup })
 }
 
 /// The colours of the vertices as a texture.
@@ -72,7 +75,8 @@ impl Ply {
         fits(files, &header, rest.len())?;
         let text = if header.encoding == Encoding::Ascii { text_of(rest) } else { Cow::default() };
         let (mut reader, mut lines) = (Reader::new(rest), Lines::of(&text, head.lines().count()));
-        let mut ply = Self { vertices: Vec::new(), faces: Vec::new(), has_uv: false, has_color: false };
+        let (vertices, faces) = (Vec::new(), Vec::new());
+        let mut ply = Self { vertices, faces, has_normal: false, has_uv: false, has_color: false };
         for (name, element) in &header.elements {
             let has = |names: &[&str]| names.iter().all(|name| element.properties.contains_key(*name));
             match name.as_str() {
@@ -81,6 +85,7 @@ impl Ply {
                         let fault = Input::new("the vertices have no position").found(properties(element));
                         return Err(fault.expected("properties x, y and z"));
                     }
+                    ply.has_normal = has(&["nx", "ny", "nz"]);
                     ply.has_uv = has(&["u", "v"]) || has(&["s", "t"]) || has(&["texture_u", "texture_v"]);
                     ply.has_color = has(&["red", "green", "blue"]);
                     ply.vertices = elements(&mut reader, &mut lines, element, &header)?;

@@ -55,7 +55,19 @@ fn binary(big: bool) -> Vec<u8> {
 }
 
 fn of(bytes: &[u8], own: bool) -> Checked<Soup> {
-    read(&Files::default(), bytes, Some(Coordinates { key: "texture", own }))
+    read(&Files::default(), bytes, Some(Coordinates { key: "texture", own }), true)
+}
+
+#[test]
+fn normals_are_those_of_the_vertices() {
+    let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let rest = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    let with = "property float nx\nproperty float ny\nproperty float nz\n";
+    let text = format!("{head}{with}{rest}0 0 0 0 0 2\n1 0 0 1 0 0\n0 1 0 0 0 0\n3 2 0 1\n");
+    let soup = |text: &str, wanted| read(&Files::default(), text.as_bytes(), None, wanted).expect("a triangle");
+    assert_eq!(soup(&text, true).normals, Some(vec![[DVec3::ZERO, 2.0 * DVec3::Z, DVec3::X]]));
+    assert_eq!(soup(&text, false).normals, None);
+    assert_eq!(soup(&format!("{head}{rest}0 0 0\n1 0 0\n0 1 0\n3 2 0 1\n"), true).normals, None);
 }
 
 #[test]
@@ -112,11 +124,11 @@ fn faults_say_what_and_where() {
         ),
     ];
     for (text, expected) in cases {
-        let fault = read(&Files::default(), text.as_bytes(), None).expect_err(expected).to_string();
+        let fault = read(&Files::default(), text.as_bytes(), None, true).expect_err(expected).to_string();
         assert!(fault.contains(expected), "{fault}");
     }
     let text = file(&faces("1"), "0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n");
-    assert_eq!(read(&Files::default(), text.as_bytes(), None).expect_err("no number").line, Some(11));
+    assert_eq!(read(&Files::default(), text.as_bytes(), None, true).expect_err("no number").line, Some(11));
 }
 
 #[test]
@@ -127,7 +139,7 @@ fn numbers_are_written_in_any_way_and_what_is_ignored_cannot_refuse_a_file() {
              element face 1\nproperty list uchar int vertex_index\nproperty uchar quality\nend_header\n{vertices}{face}"
         )
     };
-    let positions = |text: &str| read(&Files::default(), text.as_bytes(), None).map(|soup| soup.positions);
+    let positions = |text: &str| read(&Files::default(), text.as_bytes(), None, true).map(|soup| soup.positions);
     let expected = || vec![DVec3::new(0.5, -0.5, 5.0), DVec3::new(1.0, 100.0, 0.01), DVec3::ZERO];
     let places = [".5 -.5 5.", "+1 1E+2 1.e-2", "0 -0 +.0"];
     let normals = "property float nx\nproperty list uchar float more\n";

@@ -65,7 +65,7 @@ fn buffers_are_beside_the_file_or_in_it() {
     let bytes = CORNERS[..3].as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     let files = Files::held([("in/a b.bin".into(), bytes)], 1 << 20);
     let of = |uri: &str| {
-        let read = read(&files, Path::new("in/a.gltf"), file(uri).as_bytes(), None, None);
+        let read = read(&files, Path::new("in/a.gltf"), file(uri).as_bytes(), None, (None, true));
         read.map(|soup| soup.triangles.len()).map_err(|fault| fault.to_string())
     };
     assert_eq!(of("a%20b.bin"), Ok(1));

@@ -68,6 +68,6 @@ pub(super) const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.
 /// Reads the mesh of such a file.
 pub(super) fn soup(bytes: &[u8], part: Option<u32>, wanted: Option<bool>) -> Result<Soup, String> {
     let wanted = wanted.map(|own| Coordinates { key: "texture", own });
-    let read = read(&Files::default(), Path::new("a.glb"), bytes, part, wanted);
+    let read = read(&Files::default(), Path::new("a.glb"), bytes, part, (wanted, true));
     read.map_err(|fault| fault.to_string())
 }

@@ -52,6 +52,37 @@ fn nodes_place_copies_of_a_mesh_and_mirrors_turn_it_around() {
 }
 
 #[test]
+fn normals_are_turned_with_their_nodes() {
+    let mut file = Builder::default();
+    let one = file.floats(&CORNERS[..3]);
+    let normals = file.floats(&[[0.0f32, 0.0, 1.0], [0.0, 0.6, 0.8], [0.6, 0.0, 0.8]]);
+    let target = file.floats(&[[0.0f32, 0.0, 4.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]);
+    let with = format!(r#""attributes":{{"POSITION":{one},"NORMAL":{normals}}}"#);
+    let rest = format!(
+        r#""meshes":[{{"primitives":[{{{with}}}]}},{{"primitives":[{{"attributes":{{"POSITION":{one}}}}}]}},
+                     {{"weights":[0.5],"primitives":[{{{with},"targets":[{{"POSITION":{target}}}]}}]}}],
+        "nodes":[{{"mesh":0}},{{"mesh":0,"scale":[1,-2,1]}},{{"mesh":0,"rotation":[0.70710678,0,0,0.70710678]}},
+                 {{"mesh":1}},{{"mesh":2}}]"#
+    );
+    let all = soup(&file.glb(&rest), None, None).expect("triangles").normals.expect("normals");
+    // A mirror turns its triangles around, and the normals over.
+    let slanted = -DVec3::new(0.0, -0.3, 0.8).normalize();
+    let wanted = [
+        [DVec3::Z, DVec3::new(0.0, 0.6, 0.8), DVec3::new(0.6, 0.0, 0.8)],
+        [slanted, -DVec3::Z, -DVec3::new(0.6, 0.0, 0.8)],
+        [-DVec3::Y, DVec3::new(0.0, -0.8, 0.6), DVec3::new(0.6, -0.8, 0.0)],
+        [DVec3::ZERO; 3],
+        [DVec3::ZERO; 3],
+    ];
+    for (found, wanted) in all.iter().flatten().zip(wanted.iter().flatten()) {
+        assert!(found.distance(*wanted) < 1e-6, "{found}, not {wanted}: {all:?}");
+    }
+    let bare = file
+        .glb(&format!(r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":{one}}}}}]}}],"nodes":[{{"mesh":0}}]"#));
+    assert_eq!(soup(&bare, None, None).expect("a triangle").normals, None);
+}
+
+#[test]
 fn joints_and_targets_place_the_vertices() {
     let mut file = Builder::default();
     let one = file.floats(&CORNERS[..3]);
