@@ -131,10 +131,10 @@ constants! {
     LINK_KEPT: usize = 256;
     /// Words a block for what a group notes beside the entries of lists, ...
     NOTED_EXTRA: usize = 4;
-    /// ... and entries, at least, of each part of what it notes but one, which take another two.
+    /// ... and entries that each part of it has, but for one of a block.
     NOTED_LEAST: usize = 384;
-    /// Lowest bit of a decision's kind; its node is below.
-    LINK_SHIFT: u32 = 28;
+    /// Words of a part before its entries.
+    PART_HEADER: usize = 2;
     /// Links of one receiver at most, and emitters that it hands down: more would be more than lavapipe's loops take.
     MOST_PAIRS: usize = 65_000;
     /// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.

@@ -93,8 +93,8 @@ uint smaller(uint word, uint begin, uint end) {
 // Where a bucket begins.
 uint begin_of(uint bucket) { return begins[bucket] + sizes[bucket / 8]; }
 
-// Sorts the words, all of them different. Some of them, sorted by counting which are smaller, split all into buckets; in
-// a bucket a word's place is again how many are smaller.
+// Sorts the words, all of them different. Some of them, sorted by counting which are smaller, split all into buckets;
+// in a bucket a word's place is again how many are smaller.
 void sort_found(uint count) {
     uint self = gl_LocalInvocationIndex, known = min(count, SPLITTERS - 1);
     for (uint k = self; k < SPLITTERS; k += LANES) {

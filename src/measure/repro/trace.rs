@@ -12,7 +12,7 @@ use crate::layout::{BUFFER_IDS, BufferId, Number};
 use crate::measure::conform::poison;
 use crate::measure::fixtures::Fixture;
 use crate::measure::rules::Rules;
-use crate::state::{DeviceState, State, Step, Tolerance, Trace, Traced, Width};
+use crate::state::{DeviceState, Stage, State, Step, Tolerance, Trace, Traced, Width};
 
 /// A step of a fixture before anything runs.
 pub(super) struct Begun {
@@ -93,6 +93,22 @@ fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
+/// Sets what the words of a buffer from word number `first` on may differ by; `state` is the reference after the stage.
+fn allow(stage: &Stage, slot: BufferId, state: &State, first: usize, allowed: &mut [f32]) {
+    if stage.is_scratch(slot) {
+        allowed.fill(ANY);
+    }
+    let written = stage.writes.iter().find(|(written, _, _)| *written == slot);
+    if let Some((_, _, tolerance)) = written.filter(|(_, _, tolerance)| *tolerance != Tolerance::Exact) {
+        let rules = Rules::new(slot, state, *tolerance);
+        for (k, allowed) in allowed.iter_mut().enumerate() {
+            if let Some(most) = rules.at(first + k).most {
+                *allowed = up(most);
+            }
+        }
+    }
+}
+
 /// All dispatches of a step; `state` is the reference after it.
 fn whole(device: &Device, fixture: &Fixture, (step, state): (Step, &State), trace: &Trace) -> Result<Case> {
     let stage = step.stage;
@@ -126,18 +142,7 @@ fn whole(device: &Device, fixture: &Fixture, (step, state): (Step, &State), trac
         let count = (bound * spec.stride / 4).min(own.len()).min(part.before.len());
         part.expected[..count].copy_from_slice(&own[..count]);
         part.allowed = vec![BITS; part.before.len()];
-        let written = stage.writes.iter().find(|(written, _, _)| written == slot);
-        if let Some((_, _, tolerance)) = written.filter(|(_, _, tolerance)| *tolerance != Tolerance::Exact) {
-            let rules = Rules::new(*slot, state, *tolerance);
-            for (k, allowed) in part.allowed[..count].iter_mut().enumerate() {
-                if let Some(most) = rules.at(*first as usize / 4 + k).most {
-                    *allowed = up(most);
-                }
-            }
-        }
-        if stage.is_scratch(*slot) {
-            part.allowed[..count].fill(ANY);
-        }
+        allow(stage, *slot, state, *first as usize / 4, &mut part.allowed[..count]);
         part.device = part.before.clone();
         case.buffers.push(part);
     }

@@ -11,8 +11,8 @@ use crate::dipole::distance2;
 use crate::error::Result;
 use crate::layout::{
     BLOCK_CLASSES, BLOCK_RECEIVERS, BufferId, Emitter, GROUP_SIZE, GROUPS_A_ROW, LINK_AREA, LINK_DIRECT, LINK_DROPPED,
-    LINK_EDGE, LINK_EXPANDED, LINK_KEPT, LINK_KINDS, LINK_OPENED, MOST_DIRECT, NOTED_EXTRA, NOTED_LEAST, Range, Runs,
-    Sphere,
+    LINK_EDGE, LINK_EXPANDED, LINK_KEPT, LINK_KINDS, LINK_OPENED, MOST_DIRECT, NOTED_EXTRA, NOTED_LEAST, PART_HEADER,
+    Range, Runs, Sphere,
 };
 use crate::state::{Carrier, Granularity, Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
@@ -60,7 +60,7 @@ fn runs(update: &Update) -> bool {
 fn decided(state: &State) -> usize {
     let blocks = state.largest_batch();
     let entries = state.data.object_params[0].entry_capacity as usize;
-    (blocks * LINK_KEPT).max(blocks * NOTED_EXTRA + entries / NOTED_LEAST * (NOTED_LEAST + 2))
+    (blocks * LINK_KEPT).max(blocks * NOTED_EXTRA + entries + entries / NOTED_LEAST * PART_HEADER)
 }
 
 /// One element per block of each batch, rounded up so that a device can bind each batch's part.

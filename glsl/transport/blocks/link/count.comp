@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Counts the entries of each block's lists, and notes them for `write`: one invocation alone the first ones, in the order
-// of its walk; a group all of them, in sorted parts, wherever there is room.
+// Counts the entries of each block's lists, and notes them for `write`: one invocation alone the first ones, in the
+// order of its walk; a group all of them, in sorted parts, wherever there is room.
 UPDATES(runs)
 UPDATES(counters)
 UPDATES(decisions)
@@ -38,7 +38,9 @@ bool take(uint total) {
     if (self == 0) part = range.count + atomicAdd(counters[0].noted, PART_HEADER + total);
     sort_found(total);
     // Without room there are more entries than capacity, too.
-    if (part + PART_HEADER + total > range.count * NOTED_EXTRA + object_params[0].entry_capacity / NOTED_LEAST * (NOTED_LEAST + 2)) return true;
+    uint capacity = object_params[0].entry_capacity;
+    uint room = range.count * NOTED_EXTRA + capacity + capacity / NOTED_LEAST * PART_HEADER;
+    if (part + PART_HEADER + total > room) return true;
     if (self == 0) {
         decisions[part] = part_before;
         decisions[part + 1] = total;

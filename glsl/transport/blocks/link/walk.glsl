@@ -4,6 +4,8 @@
 // taken by area points or the edge form; otherwise its children are visited.
 #include "dipole/near.glsl"
 
+const uint LINK_SHIFT = 28; // lowest bit of a decision's kind; its node is below
+
 READS(object_params)
 READS(spheres)
 READS(emitters)

@@ -54,7 +54,8 @@ void load(uint first, uint total) {
 uvec4 smaller(uvec4 words) {
     uvec4 count = uvec4(0);
     for (uint step = WORDS / 2; step > 0; step /= 2) {
-        uvec4 at = count + step - 1, known = uvec4(part_words[at.x], part_words[at.y], part_words[at.z], part_words[at.w]);
+        uvec4 at = count + step - 1;
+        uvec4 known = uvec4(part_words[at.x], part_words[at.y], part_words[at.z], part_words[at.w]);
         count += step * uvec4(lessThan(known, words));
     }
     return count;
