@@ -224,7 +224,7 @@ const FURTHER: &[(&str, Kind, &str, &str)] = &[
     ("        SUM near", Kind::Race, "own.glsl", "SUM middle"),
     ("        SUM near", Kind::Race, "own.glsl", "SUM far"),
     ("sums[self - step - 1] :", Kind::Race, "transport/blocks/link/scan", "near[at.y] = i;"),
-    ("sums[self - step - 1] :", Kind::Race, "transport/blocks/link/write.comp", "entries[at.x + at.y + at.z + at.w]"),
+    ("sums[self - step - 1] :", Kind::Race, "transport/blocks/link/write.comp", "entries[first + place[j]]"),
     (
         "BLOCK_RECEIVERS + slot + 1] = sum;",
         Kind::Undefined,

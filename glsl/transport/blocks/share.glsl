@@ -111,7 +111,7 @@ void sort_found(uint count) {
     barrier();
     uvec2 words[EACH], buckets[EACH], places[EACH];
     for (uint e = 0; e < EACH && 2 * LANES * e < count; ++e) {
-        uvec2 at = self + LANES * (2 * e + uvec2(0, 1)), near = min(at, WORDS - 1);
+        uvec2 at = self + LANES * (2 * e + uvec2(0, 1)), near = min(at, count - 1);
         words[e] = uvec2(pool[near.x], pool[near.y]);
         buckets[e] = bucket_of(words[e]);
         for (uint j = 0; j < 2; ++j) if (at[j] < count) places[e][j] = atomicAdd(begins[buckets[e][j]], 1);

@@ -40,11 +40,14 @@ shared uint part_words[WORDS];
 
 uvec4 loaded(uvec4 at) { return uvec4(decisions[at.x], decisions[at.y], decisions[at.z], decisions[at.w]); }
 
+// Four places, as far apart as there are invocations.
+uvec4 apart(uint first) { return uvec4(first, first + LANES, first + 2 * LANES, first + 3 * LANES); }
+
 // Loads a part's words; NONE fills the rest.
 void load(uint first, uint total) {
     barrier();
     for (uint k = gl_LocalInvocationIndex; k < WORDS; k += 4 * LANES) {
-        uvec4 at = k + LANES * uvec4(0, 1, 2, 3), words = loaded(first + min(at, total - 1));
+        uvec4 at = apart(k), words = loaded(first + min(at, total - 1));
         for (uint j = 0; j < 4; ++j) if (at[j] < WORDS) part_words[at[j]] = at[j] < total ? words[j] : NONE;
     }
     barrier();
@@ -66,7 +69,7 @@ void together(uint i, uint first) {
     for (uint part = decisions[i]; part != NONE; part = decisions[part]) {
         uint total = decisions[part + 1];
         for (uint begin = 0; begin < total; begin += 4 * LANES) {
-            uvec4 place = begin + gl_LocalInvocationIndex + LANES * uvec4(0, 1, 2, 3);
+            uvec4 place = apart(begin + gl_LocalInvocationIndex);
             bvec4 mine = lessThan(place, uvec4(total));
             uvec4 words = loaded(part + PART_HEADER + min(place, total - 1));
             for (uint other = decisions[i]; other != NONE; other = decisions[other]) {
