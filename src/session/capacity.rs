@@ -2,7 +2,7 @@
 
 use crate::error::{Error, KeepLimit, Result};
 use crate::gpu::Limits;
-use crate::layout::ListCounters;
+use crate::layout::{ListCounters, NOTED_EXTRA};
 use crate::prepare::scene::{Prepared, schedule};
 use crate::state::{Object, Scheme, State};
 use crate::transport::blocks::gather::NEAR_PART;
@@ -163,18 +163,26 @@ impl Lists {
         let per_block = per_block.min(most);
         for object in &mut state.objects {
             let blocks = object.count.blocks;
-            let batches = blocks.div_ceil(self.batch_blocks.min(self.most(4) / per_block.max(1)).max(1)).max(1);
+            let batches = blocks.div_ceil(self.batch_blocks.min(self.most_entries() / per_block.max(1)).max(1)).max(1);
             let each = blocks.div_ceil(batches);
             let batch = |k: usize| (k * each).min(blocks) as u32..((k + 1) * each).min(blocks) as u32;
             object.schedule.batches = (0..batches).map(batch).filter(|batch| !batch.is_empty()).collect();
         }
-        let capacity = ((state.largest_batch() * per_block).max(64) / 64 * 64).min(self.most(4)) as u32;
+        let capacity = ((state.largest_batch() * per_block).max(64) / 64 * 64).min(self.most_entries()) as u32;
         state.data.object_params.iter_mut().for_each(|params| params.entry_capacity = capacity);
     }
 
     /// Most elements of `stride` bytes in one list, a multiple of 64.
     pub(crate) fn most(&self, stride: u64) -> usize {
         (self.binding.min(u64::from(u32::MAX)) / stride / 64 * 64) as usize
+    }
+
+    /// Most entries of a batch, so that what `link` notes of them fits a binding, too: two words more for each
+    /// `NOTED_LEAST` entries, and some for each block.
+    fn most_entries(&self) -> usize {
+        let most = self.most(4);
+        let blocks = (NOTED_EXTRA * self.batch_blocks.min(MOST_BLOCKS)).min(most / 128);
+        (most - most / 128 - blocks) / 64 * 64
     }
 
     /// After an overflow: longer lists, or smaller chunks where a list is as long as a binding allows.
@@ -234,7 +242,7 @@ impl Lists {
         let (need, near) = (need(state), need(state).required_near.next_multiple_of(NEAR_PART));
         state.data.object_params.iter_mut().for_each(|params| params.near_capacity = params.near_capacity.max(near));
         let (need, each) = (need.required_entries as usize, state.largest_batch().max(1));
-        let most = self.most(4);
+        let most = self.most_entries();
         if need > most && each == 1 {
             let what = format!("one block of receivers needs {need} entries, a binding of the device takes {most}");
             return Err(Error::device("making room for buffer entries", what));

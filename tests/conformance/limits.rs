@@ -59,6 +59,7 @@ fn a_smaller_binding_cuts_the_lists() {
             // The least size that the buffers that cannot be split need.
             let lists = [
                 BufferId::entries,
+                BufferId::decisions,
                 BufferId::links,
                 BufferId::factors,
                 BufferId::area_links,

@@ -35,6 +35,7 @@ shared uint part, part_before, counts[LINK_KINDS];
 // Notes the words so far as a part.
 bool take(uint total) {
     uint self = gl_LocalInvocationIndex;
+    if (total == 0) return true;
     if (self == 0) part = range.count + atomicAdd(counters[0].noted, PART_HEADER + total);
     sort_found(total);
     // Without room there are more entries than capacity, too.

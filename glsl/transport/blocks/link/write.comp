@@ -66,15 +66,16 @@ uvec4 smaller(uvec4 words) {
 
 // The same by a group: a word's place is how many of the block are smaller. Each invocation takes four at once.
 void together(uint i, uint first) {
-    for (uint part = decisions[i]; part != NONE; part = decisions[part]) {
-        uint total = decisions[part + 1];
+    // Each part of a block stands before the one that was found last.
+    for (uint part = decisions[i], last = NONE; part < last; last = part, part = decisions[part]) {
+        uint total = min(decisions[part + 1], WORDS);
         for (uint begin = 0; begin < total; begin += 4 * LANES) {
             uvec4 place = apart(begin + gl_LocalInvocationIndex);
             bvec4 mine = lessThan(place, uvec4(total));
             uvec4 words = loaded(part + PART_HEADER + min(place, total - 1));
-            for (uint other = decisions[i]; other != NONE; other = decisions[other]) {
+            for (uint other = decisions[i], after = NONE; other < after; after = other, other = decisions[other]) {
                 if (other == part) continue;
-                load(other + PART_HEADER, decisions[other + 1]);
+                load(other + PART_HEADER, min(decisions[other + 1], WORDS));
                 place += smaller(words);
             }
             for (uint j = 0; j < 4; ++j) if (mine[j]) entries[first + place[j]] = words[j] & (1u << LINK_SHIFT) - 1;

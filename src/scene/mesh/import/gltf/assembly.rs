@@ -163,13 +163,13 @@ impl<'a> Assembly<'a> {
         Ok(Some(self.triangles.iter().map(|corners| corners.map(|corner| all[corner as usize])).collect()))
     }
 
-    /// Normals of the triangles' corners, turned by their matrices; 0 for a primitive that has none, or that morph
-    /// targets change. None if all are such.
-    pub fn normals(&self, document: &Document, files: &Files) -> Checked<Option<Vec<[DVec3; 3]>>> {
+    /// Normals of the triangles' corners, turned by their matrices; 0 for a primitive that has none that can be read, or
+    /// that morph targets change. None if all are such.
+    pub fn normals(&self, document: &Document, files: &Files) -> Option<Vec<[DVec3; 3]>> {
         let mut all = Vec::with_capacity(self.base.len());
         for Placed { primitive, piece, weights, .. } in &self.pieces {
             let morphed = !piece.targets.is_empty() && weights.iter().any(|weight| *weight != 0.0);
-            let own = if morphed { None } else { primitive::normals(document, files, primitive)? };
+            let own = if morphed { None } else { primitive::normals(document, files, primitive).unwrap_or_default() };
             let none = || vec![DVec3::ZERO; piece.positions.len()];
             all.extend(own.filter(|own| own.len() == piece.positions.len()).unwrap_or_else(none));
         }
@@ -183,7 +183,7 @@ impl<'a> Assembly<'a> {
             *normal = influences.iter().map(of).sum();
         }
         let some = all.iter().any(|normal| *normal != DVec3::ZERO);
-        Ok(some.then(|| self.triangles.iter().map(|corners| corners.map(|corner| all[corner as usize])).collect()))
+        some.then(|| self.triangles.iter().map(|corners| corners.map(|corner| all[corner as usize])).collect())
     }
 
     /// The rig of these vertices: each piece has a row of weights.

@@ -58,7 +58,7 @@ pub(super) fn read(
         let fault = Input::new("a texture coordinate is out of range").found(format!("{place:?}"));
         return Err(fault.expected("numbers from -10,000 to 10,000"));
     }
-    let normals = if normals { assembly.normals(&document, files)? } else { None };
+    let normals = if normals { assembly.normals(&document, files) } else { None };
     let corners = assembly.triangles.clone().into_iter().flatten();
     let (soup, _) = compact(&positions?, corners, assembly.triangles, input_face);
     // Say it once for a file whose parts are objects.
