@@ -163,8 +163,8 @@ impl<'a> Assembly<'a> {
         Ok(Some(self.triangles.iter().map(|corners| corners.map(|corner| all[corner as usize])).collect()))
     }
 
-    /// Normals of the triangles' corners, turned by their matrices; 0 for a primitive that has none that can be read, or
-    /// that morph targets change. None if all are such.
+    /// Normals of the triangles' corners, turned by their matrices; 0 for a primitive that has none that can be read,
+    /// or that morph targets change. None if all are such.
     pub fn normals(&self, document: &Document, files: &Files) -> Option<Vec<[DVec3; 3]>> {
         let mut all = Vec::with_capacity(self.base.len());
         for Placed { primitive, piece, weights, .. } in &self.pieces {
