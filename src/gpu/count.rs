@@ -112,3 +112,16 @@ fn blocks(module: &Module<'_>, words: &[u32]) -> Vec<Block> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::reflect::words_of;
+
+    #[test]
+    fn a_fused_multiply_add_is_two_operations_and_one_instruction() {
+        let counted = counted(&words_of("measure/fma").unwrap()).unwrap();
+        let block = counted.blocks.iter().max_by_key(|block| block.flops).unwrap();
+        assert!(block.flops > 10 && block.instructions < block.flops, "{block:?}");
+    }
+}

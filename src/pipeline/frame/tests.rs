@@ -32,6 +32,19 @@ fn what_turns_of_a_loop_share_stays_in_that_loop() {
     assert!(found.contains(&BufferId::entries) && found.contains(&BufferId::runs), "{found:?}");
 }
 
+/// What conformance does not compare.
+#[test]
+fn only_its_own_stage_binds_scratch() {
+    let scratch = |stage: &&'static Stage| BUFFER_IDS.iter().filter(|id| stage.is_scratch(**id)).count();
+    assert!(STAGES.iter().map(|stage| scratch(stage)).sum::<usize>() > 0);
+    for stage in STAGES {
+        for id in bound(stage) {
+            let other = STAGES.iter().find(|other| other.is_scratch(id) && !other.is(stage));
+            assert!(other.is_none(), "{} binds {id:?}", stage.name);
+        }
+    }
+}
+
 #[test]
 fn every_buffer_has_its_size_from_one_place() {
     for &id in BUFFER_IDS {
