@@ -35,8 +35,7 @@ fn what_turns_of_a_loop_share_stays_in_that_loop() {
 /// What conformance does not compare.
 #[test]
 fn only_its_own_stage_binds_scratch() {
-    let scratch = |stage: &&'static Stage| BUFFER_IDS.iter().filter(|id| stage.is_scratch(**id)).count();
-    assert!(STAGES.iter().map(|stage| scratch(stage)).sum::<usize>() > 0);
+    assert!(STAGES.iter().any(|stage| BUFFER_IDS.iter().any(|id| stage.is_scratch(*id))));
     for stage in STAGES {
         for id in bound(stage) {
             let other = STAGES.iter().find(|other| other.is_scratch(id) && !other.is(stage));
