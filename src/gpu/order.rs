@@ -68,12 +68,13 @@ pub(crate) fn waits<B: Copy + Ord, U: IntoIterator<Item = (B, bool, bool)> + Clo
     found
 }
 
-/// The buffers of a dispatch, and whether it reads and writes them.
+/// The buffers of a dispatch that have any bytes, and whether it reads and writes them.
 pub(super) fn uses(dispatch: &Listed) -> impl Iterator<Item = (vk::Buffer, bool, bool)> + Clone + '_ {
     let bound = dispatch.kernel.accesses.iter().zip(&dispatch.ranges);
     let counted = match dispatch.groups {
         Groups::Counted { range, .. } => Some((range.buffer, true, false)),
         Groups::Direct(_) => None,
     };
+    let bound = bound.filter(|(_, range)| range.size > 0);
     bound.map(|(access, range)| (range.buffer, access.reads, access.writes)).chain(counted)
 }

@@ -135,7 +135,7 @@ impl Recorder {
         for access in &kernel.accesses {
             let bound = bindings.iter().find(|b| b.number == access.binding);
             ranges.push(match (bound, counters) {
-                (Some(bound), _) => range(bound.buffer, bound.offset, bound.size.max(4)),
+                (Some(bound), _) => range(bound.buffer, bound.offset, bound.size),
                 (None, Some((buffer, first, size))) if access.binding == count::BINDING => range(buffer, first, size),
                 (None, _) => {
                     return Err(Error::device(doing(), format!("nothing is bound at {}", access.binding)));

@@ -238,7 +238,7 @@ fn bindings(listed: &Listed) -> Vec<(u32, BoundRange)> {
 
 fn infos(ranges: &[(u32, BoundRange)]) -> Vec<[vk::DescriptorBufferInfo; 1]> {
     let info = |(_, range): &(u32, BoundRange)| {
-        [vk::DescriptorBufferInfo { buffer: range.buffer, offset: range.offset, range: range.size }]
+        [vk::DescriptorBufferInfo { buffer: range.buffer, offset: range.offset, range: range.size.max(4) }]
     };
     ranges.iter().map(info).collect()
 }

@@ -153,8 +153,14 @@ buffers! {
     entries: u32, batch;
     /// The radiosity that distant emitters give each block.
     expansions: Expansion, block;
-    /// Radiosity of each receiver from its block's direct, area and edge lists.
+    /// Radiosity of each receiver from its block's direct list.
     received: [f32; 3], receiver;
+    /// Radiosity of each receiver from its block's area list; only where there is one.
+    area_received: [f32; 3], receiver;
+    /// Radiosity of each receiver from its block's edge list; only where there is one.
+    edge_received: [f32; 3], receiver;
+    /// Which channels of each block have an area list, bits 0 to 2, and an edge list, bits 3 to 5.
+    near_channels: u32, block;
     /// Estimated error of the radiosity of each receiver.
     estimate: [f32; 3], receiver;
     /// Squared centroid distances beyond which 1, 3, 6, 12 area points serve for a triangle.

@@ -11,8 +11,8 @@ use crate::scene::{DENSEST, Material, Reflection, Scene};
 use crate::state::{Change, Local, State};
 
 /// The smallest reduced extinction in internal units; thinner materials are scaled up to it. They reflect too little
-/// light to be seen, but powers of the source depths stay within `f32`.
-const THINNEST: f64 = 1e-11;
+/// light to be seen, but powers of the source depths stay within `f32`, and so does the product of their squares.
+const THINNEST: f64 = 1e-8;
 
 /// The dipole of each channel in internal units. A material denser than [`DENSEST`] is scaled down to it, with its
 /// albedo kept: light leaves where it enters, as far as `f32` positions can tell.
@@ -139,4 +139,22 @@ pub(crate) fn quadrature(state: &mut State, scene: &Scene) -> bool {
     let largest = translucent.map(|number| triangle_size(state, number)).fold(0.0, f64::max);
     let nodes = edge_nodes(scene.transport.tolerance, largest);
     std::mem::replace(&mut state.method.nodes, nodes) != nodes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_of_both_depths_have_a_product_in_f32() {
+        for density in [1e-300, 1e300] {
+            for eta in [0.5, 1.0, 3.8] {
+                let mut material = Scene::load("sphere").unwrap().objects.remove(0).material;
+                (material.sigma_s_prime, material.sigma_a, material.eta) = ([density; 3], [density; 3], [eta; 3]);
+                let [depths, ..] = dipoles(&material, 1.0).map(|dipole| dipole.depths().map(|depth| depth as f32));
+                let product = depths.map(|depth| depth * depth).iter().product::<f32>();
+                assert!(product.is_normal() && (1.0 / product).is_normal(), "{density} {eta}: {product}");
+            }
+        }
+    }
 }

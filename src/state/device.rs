@@ -173,7 +173,7 @@ impl DeviceState {
         kernel.accesses.iter().filter_map(move |access| {
             let id = state.data.bound(*BUFFER_IDS.get(access.binding as usize)?);
             let Some(buffer) = self.buffers.get(&id) else {
-                return Some((id, Binding { number: access.binding, buffer: &self.nothing, offset: 0, size: 4 }));
+                return Some((id, Binding { number: access.binding, buffer: &self.nothing, offset: 0, size: 0 }));
             };
             let stride = id.spec().stride as u64;
             let (first, count) = state.part(id, at);

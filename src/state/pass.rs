@@ -81,10 +81,11 @@ impl Dispatch {
         Ok(known.map(bound).collect())
     }
 
-    /// The buffers that it binds or that count its groups, and whether it reads and writes them.
+    /// The buffers of any bytes that it binds or that count its groups, and whether it reads and writes them.
     #[cfg(feature = "measure")]
     pub(crate) fn uses(&self, state: &State) -> Result<Vec<(BufferId, bool, bool)>> {
-        let bound = self.bound(state)?.into_iter().map(|bound| (bound.slot, bound.reads, bound.writes));
+        let bound = self.bound(state)?.into_iter().filter(|bound| bound.range[0] < bound.range[1]);
+        let bound = bound.map(|bound| (bound.slot, bound.reads, bound.writes));
         Ok(bound.chain(self.counted.map(|slot| (slot, true, false))).collect())
     }
 }

@@ -6,10 +6,13 @@ use std::collections::BTreeSet;
 use milkglass::internals::gpu::{AXES, Choices, Device, Kernels};
 use milkglass::internals::layout::BUFFER_IDS;
 use milkglass::internals::pipeline::frame::STAGES;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::internals::state::DeviceState;
 use milkglass::measure::fixtures::{Fixture, made};
 use milkglass::measure::vary::{Computed, Proof, Variant, asked, computed_steps, lack, proof};
 
+use super::features;
 use super::stages::all;
 use crate::devices::on_devices;
 
@@ -170,4 +173,23 @@ mod rare {
         println!("{:?}", chosen.iter().map(|one| &one.name).collect::<Vec<_>>());
         compare(&chosen, 1);
     }
+}
+
+#[test]
+fn lists_of_a_block_are_summed_side_by_side() {
+    let scene = features::ball(&["transport.tolerance=1e-3"]);
+    on_devices(|device| {
+        let gather = |estimate: bool| {
+            let options = Options { goal: Goal::Radiosity, estimate, ..Options::default() };
+            let mut session = Session::new(&scene, Some(device), options).unwrap();
+            let times = session.frame(Change::EVERYTHING).unwrap();
+            let step = times.iter().find(|step| step.name == "gather").unwrap();
+            [step.dispatches, step.barriers]
+        };
+        // One barrier, after the lists are written; no buffer that is empty without estimates makes another.
+        assert_eq!(gather(false), [4, 1]);
+        // The estimates of all lists are added up in one buffer.
+        let [dispatches, barriers] = gather(true);
+        assert!(dispatches == 5 && barriers > 2, "{dispatches} dispatches, {barriers} barriers");
+    });
 }

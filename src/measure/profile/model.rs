@@ -1,23 +1,25 @@
 //! How long a frame would take on another device: counted work and chains, by a few fixed figures of that device.
 //!
-//! A dispatch takes about as long as the largest of three things: issuing all instructions at the device's rate; the
-//! waits of all invocations, shared out over as many as the device holds at a time; and the chain: the most steps,
-//! loads and waits of any invocation, added. Launches and barriers come on top. Left out are divergent branches, loads
-//! of scattered words, which take turns, and memory beyond the cache: neither how long it takes nor how much it moves.
+//! Dispatches between which there is no barrier run side by side. They take about as long as the largest of three
+//! things: issuing all their instructions at the device's rate; the waits of all invocations, shared out over as many
+//! as the device holds at a time; and the longest chain: the most steps, loads and waits of any invocation, added.
+//! Launches and barriers come on top. Left out are divergent branches, loads of scattered words, which take turns, and
+//! memory beyond the cache: neither how long it takes nor how much it moves.
 
 use std::io::Read as _;
 use std::path::Path;
 
 use serde::Deserialize;
 
-use super::work::{Counted, Interpreted, counted, row_of, timed};
+use super::work::{After, Counted, Interpreted, counted, planned, row_of, timed};
 use super::{Settings, variant};
 use crate::error::{Error, Input, Result};
 use crate::gpu::count::{Chain, Tally};
-use crate::gpu::{Device, Timed, Timing};
+use crate::gpu::{Device, Timed};
 use crate::measure::interpret::stage::{Interpreter, Settings as Widths};
 use crate::pipeline::plan::ShadingMethod;
 use crate::scene::{Scene, from_toml};
+use crate::state::Width;
 
 /// Most bytes of a device's file.
 const MOST: u64 = 1 << 16;
@@ -74,11 +76,11 @@ pub struct Predicted {
     pub longest_shared: u64,
     /// Launches and barriers.
     pub launches_us: f64,
-    /// Dispatches that last as long as their instructions take to be issued.
+    /// Issuing instructions, where that bounds what runs at a time.
     pub issue_us: f64,
-    /// Dispatches that last as long as the device needs to hold all their invocations, one after the other.
+    /// Holding invocations, one after the other, where that bounds it.
     pub residence_us: f64,
-    /// Dispatches that last as long as their longest invocation.
+    /// What the longest invocation takes, beyond that of those that run beside it.
     pub chain_us: f64,
 }
 
@@ -170,22 +172,19 @@ fn read_file(path: &Path) -> Result<String> {
 }
 
 impl Predicted {
-    /// Adds a dispatch.
-    fn add(&mut self, model: &Model, tally: &Tally) {
+    /// Adds a dispatch, and what it takes of the time of those that run beside it.
+    fn add(&mut self, tally: &Tally, (bound, us): (Bound, f64)) {
         self.dispatches += usize::try_from(tally.dispatches).unwrap_or(usize::MAX);
         self.invocations += tally.invocations;
         self.instructions += tally.instructions;
         self.longest_steps += tally.longest.steps;
         self.longest_loads += tally.longest.loads;
         self.longest_shared += tally.longest.shared;
-        let [issue, residence, chain] = model.bounds(tally);
-        let most = issue.max(residence).max(chain);
-        let part = match most {
-            _ if most == chain => &mut self.chain_us,
-            _ if most == issue => &mut self.issue_us,
-            _ => &mut self.residence_us,
-        };
-        *part += most;
+        match bound {
+            Bound::Issue => self.issue_us += us,
+            Bound::Residence => self.residence_us += us,
+            Bound::Chain => self.chain_us += us,
+        }
     }
 
     /// Microseconds of all.
@@ -215,25 +214,52 @@ impl Prediction {
     }
 }
 
-/// The rows of a frame, stages, kernels or dispatches, from what each dispatch has done; `launches` says how many
-/// dispatches and barriers a row has.
-fn rows(
-    model: &Model,
-    timed: Timed,
-    tallies: &[([String; 2], Tally)],
-    launches: impl Fn(&Predicted) -> [usize; 2],
-) -> Vec<Predicted> {
+/// What bounds a dispatch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Bound {
+    Issue,
+    Residence,
+    Chain,
+}
+
+/// What each of these dispatches, between which there is no barrier, takes of the time of all: that of issuing its
+/// instructions, or of holding its invocations where this bounds them; and what the longest chain takes beyond that is
+/// the time of the dispatch that has it.
+fn shared(model: &Model, tallies: &[([String; 2], Tally)]) -> Vec<(Bound, f64)> {
+    let bounds: Vec<[f64; 3]> = tallies.iter().map(|(_, tally)| model.bounds(tally)).collect();
+    let [issue, residence] = [0, 1].map(|kind| bounds.iter().map(|bound| bound[kind]).sum::<f64>());
+    let (bound, kind) = if residence > issue { (Bound::Residence, 1) } else { (Bound::Issue, 0) };
+    let mut shares: Vec<(Bound, f64)> = bounds.iter().map(|of| (bound, of[kind])).collect();
+    let longest = (0..bounds.len()).max_by(|a, b| bounds[*a][2].total_cmp(&bounds[*b][2]));
+    if let Some(longest) = longest {
+        let beyond = bounds[longest][2] - issue.max(residence);
+        if beyond > 0.0 {
+            shares[longest] = (Bound::Chain, shares[longest].1 + beyond);
+        }
+    }
+    shares
+}
+
+/// The rows of a frame, stages, kernels or dispatches, from what each dispatch has done and what it begins after.
+fn rows(model: &Model, timed: Timed, tallies: &[([String; 2], Tally)], after: &[After]) -> Vec<Predicted> {
     let mut rows: Vec<Predicted> = Vec::new();
-    for (kernel, tally) in tallies {
-        let Some(name) = row_of(timed, kernel, tally) else { continue };
+    let (mut shares, mut begin) = (Vec::new(), 0);
+    for end in 1..=tallies.len() {
+        if after.get(end) != Some(&After::Nothing) {
+            shares.extend(shared(model, &tallies[begin..end]));
+            begin = end;
+        }
+    }
+    for (((names, tally), share), after) in tallies.iter().zip(shares).zip(after) {
+        let Some(name) = row_of(timed, names, tally) else { continue };
         let place = rows.iter().position(|row| row.stage == name).unwrap_or(rows.len());
         if place == rows.len() {
             rows.push(Predicted { stage: name, ..Predicted::default() });
         }
-        rows[place].add(model, tally);
+        rows[place].add(tally, share);
+        rows[place].barriers += usize::from(*after == After::Barrier);
     }
     for row in &mut rows {
-        [row.dispatches, row.barriers] = launches(row);
         row.launches_us = row.dispatches as f64 * model.dispatch_us + row.barriers as f64 * model.barrier_us;
     }
     rows
@@ -250,19 +276,27 @@ pub fn predict(scene: &Scene, device: &Device, settings: &Settings, model: &Mode
     let before = device.submissions();
     plain.frame(settings.change)?;
     let submissions = device.submissions() - before;
-    let Counted { session, steps, tallies } = counted(scene, &device.counting(), settings, &mut plain)?;
-    let launches = |row: &Predicted| {
-        let own = |count: fn(&Timing) -> usize| -> usize {
-            steps.iter().filter(|step| step.name == row.stage).map(count).sum()
-        };
-        let (dispatches, barriers) = (own(|step| step.dispatches), own(|step| step.barriers));
-        // What the host waits for in between is not told by steps: each dispatch has a barrier there.
-        let barriers = if dispatches > 0 { barriers } else { row.dispatches };
-        [row.dispatches.max(dispatches), barriers]
-    };
-    let rows = rows(model, timed(&session), &tallies, launches);
+    let Counted { session, tallies } = counted(scene, &device.counting(), settings, &mut plain)?;
+    let planned = planned(&session, settings.change, Width::of(device))?;
+    let after = after(planned, tallies.iter().map(|([kernel, _], _)| kernel));
+    let rows = rows(model, timed(&session), &tallies, &after);
     let (counted_on, scene) = (device.name().to_string(), scene.name.clone());
     Ok(Prediction { model: model.clone(), counted_on, scene, rows, submissions })
+}
+
+/// What each of these kernels' dispatches begins after, by the plan of their frame. A kernel that the plan dispatches
+/// once may have gone level by level. All have a barrier where the frame was another: made anew, or too long to count.
+fn after<'a>(planned: Vec<(String, After)>, kernels: impl ExactSizeIterator<Item = &'a String>) -> Vec<After> {
+    let (count, mut left, mut last) = (kernels.len(), planned.into_iter().peekable(), None);
+    let of = |kernel: &'a String| match left.next_if(|(next, _)| next == kernel) {
+        Some((_, after)) => {
+            last = Some(kernel);
+            Some(after)
+        }
+        None => (last == Some(kernel)).then_some(After::Barrier),
+    };
+    let found: Option<Vec<After>> = kernels.map(of).collect();
+    found.unwrap_or_else(|| vec![After::Barrier; count])
 }
 
 /// The same, counted by the interpreter, which shares work as its settings say.
@@ -278,15 +312,8 @@ pub fn predict_interpreted(
         ShadingMethod::Walk => return fault("walk"),
         _ => {}
     }
-    let Interpreted { tallies, barriers, submissions, .. } = Interpreted::of(scene, interpreter, settings)?;
-    let launches = |row: &Predicted| {
-        let own = tallies
-            .iter()
-            .zip(&barriers)
-            .filter(|((names, tally), _)| row_of(timed, names, tally).is_some_and(|name| name == row.stage));
-        [own.clone().count(), own.filter(|(_, barrier)| **barrier).count()]
-    };
-    let rows = rows(model, timed, &tallies, launches);
+    let Interpreted { tallies, after, submissions, .. } = Interpreted::of(scene, interpreter, settings)?;
+    let rows = rows(model, timed, &tallies, &after);
     let Widths { lanes, subgroup, .. } = interpreter.settings();
     let counted_on = format!("the interpreter, {lanes} invocations an item, subgroups of {subgroup}");
     Ok(Prediction { model: model.clone(), counted_on, scene: scene.name.clone(), rows, submissions })
@@ -307,26 +334,49 @@ mod tests {
                          submission_us = 20\n";
 
     #[test]
-    fn the_largest_bound_of_each_dispatch_counts() {
+    fn the_largest_bound_counts_of_what_runs_side_by_side() {
         let model: Model = toml::from_str(SMALL).unwrap();
         let chain = |steps: u64| Chain { steps, loads: 0, shared: 0 };
         let tally = |instructions: u64, chains: Chain, longest: Chain| Tally {
             instructions,
             chains,
             longest,
+            dispatches: 1,
             ..Tally::default()
         };
         // One invocation of 1,000 steps, 10 loads and 5 barriers: 4,000 + 2,500 + 150 cycles.
         let long = Chain { steps: 1000, loads: 10, shared: 5 };
         // 160,000 instructions at 16 a cycle; 100,000 steps of 4 cycles, 200 invocations at a time.
         let (many, full) = (tally(160_000, chain(1000), chain(10)), tally(100, chain(1_000_000), chain(10)));
-        let mut row = Predicted { launches_us: 3.0, ..Predicted::default() };
-        for dispatch in [tally(1000, long, long), many, full] {
-            row.add(&model, &dispatch);
-        }
-        assert_eq!([row.chain_us, row.issue_us, row.residence_us], [6.65, 10.0, 20.0]);
-        assert_eq!((row.us(), row.bound()), (39.65, "residence"));
+        let all =
+            [tally(1000, long, long), many, full].map(|tally| (["transport/blocks/push", ""].map(String::from), tally));
+        let of = |after: After| {
+            let after = [After::Submission, after, after];
+            rows(&model, Timed::Kernels, &all, &after).pop().unwrap()
+        };
+        let row = of(After::Barrier);
+        assert_eq!([row.chain_us, row.issue_us, row.residence_us, row.launches_us], [6.65, 10.0, 20.0, 8.0]);
+        assert_eq!((row.us(), row.bound()), (44.65, "residence"));
         assert_eq!((row.longest_steps, row.longest_loads, row.longest_shared), (1020, 10, 5));
+        // Side by side, 0.033 + 0.02 + 20 us of residence bound all three.
+        let beside = of(After::Nothing);
+        assert_eq!((beside.launches_us, beside.bound()), (6.0, "residence"));
+        assert!((beside.us() - 26.05325).abs() < 1e-9, "{beside:?}");
+        // A chain goes on after the others have been issued: 0.5 us of its 6.65.
+        let few = [all[0].clone(), (all[1].0.clone(), tally(8_000, chain(10), chain(10)))];
+        let [first, second] = shared(&model, &few)[..] else { panic!("two dispatches") };
+        assert!((first.1 - 6.15).abs() < 1e-9 && first.0 == Bound::Chain, "{first:?}");
+        assert_eq!(second, (Bound::Issue, 0.5));
+    }
+
+    #[test]
+    fn dispatches_begin_as_planned() {
+        use After::{Barrier, Nothing, Submission};
+        let planned = [("a", Submission), ("climb", Barrier), ("b", Nothing), ("b", Barrier)];
+        let planned = || planned.map(|(kernel, after)| (kernel.to_string(), after)).to_vec();
+        let of = |kernels: &[&str]| after(planned(), kernels.iter().map(|k| k.to_string()).collect::<Vec<_>>().iter());
+        assert_eq!(of(&["a", "climb", "climb", "b", "b"]), [Submission, Barrier, Barrier, Nothing, Barrier]);
+        assert_eq!(of(&["a", "b"]), [Barrier; 2]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::agreement::agreement;
 use super::{Settings, result, variant};
 use crate::error::{Error, Result};
 use crate::gpu::count::{Tally, Traffic};
-use crate::gpu::{Choices, Device, Timed, Timing, waits};
+use crate::gpu::{Choices, Device, Timed, waits};
 use crate::layout::{BUFFER_IDS, BufferId};
 use crate::measure::interpret::stage::Interpreter;
 use crate::pipeline::frame::owner;
@@ -17,7 +17,7 @@ use crate::scene::Scene;
 use crate::session::diffusion::submitted;
 use crate::session::requirements::union;
 use crate::session::run::Session;
-use crate::state::{Dispatch, State, dispatches};
+use crate::state::{Dispatch, State, Width, dispatches};
 
 /// The largest relative L2 difference of results that differ by rounding only.
 const ROUNDING: f64 = 1e-4;
@@ -84,7 +84,7 @@ pub(super) fn of(
     settings: &Settings,
     plain: &mut Session,
 ) -> Result<BTreeMap<String, Work>> {
-    let Counted { session, tallies, .. } = counted(scene, device, settings, plain)?;
+    let Counted { session, tallies } = counted(scene, device, settings, plain)?;
     let bound = bound(&session.dispatches(settings.change)?, session.state(), timed(&session))?;
     let mut stages: BTreeMap<String, Tally> = BTreeMap::new();
     for (kernel, tally) in tallies {
@@ -106,12 +106,34 @@ pub struct Counts {
     pub work: Work,
 }
 
+/// What a dispatch begins after.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum After {
+    /// The host submits it, first of a list.
+    Submission,
+    /// A barrier.
+    Barrier,
+    /// Nothing: it runs beside the one before it.
+    Nothing,
+}
+
+/// What each of these dispatches, submitted together, begins after.
+fn after(state: &State, dispatches: &[Dispatch]) -> Result<impl Iterator<Item = After>> {
+    let uses = dispatches.iter().map(|dispatch| dispatch.uses(state)).collect::<Result<Vec<_>>>()?;
+    let waits = waits(uses, Choices::default().barriers);
+    Ok(waits.into_iter().enumerate().map(|(at, wait)| match wait {
+        _ if at == 0 => After::Submission,
+        Some(_) => After::Barrier,
+        None => After::Nothing,
+    }))
+}
+
 /// A frame that the interpreter counted.
 pub(super) struct Interpreted {
     /// What each of its dispatches has done, after the kernel's name and its own.
     pub(super) tallies: Vec<([String; 2], Tally)>,
-    /// Whether a barrier comes before each.
-    pub(super) barriers: Vec<bool>,
+    /// What each begins after.
+    pub(super) after: Vec<After>,
     /// Submissions.
     pub(super) submissions: u64,
     dispatches: Vec<Dispatch>,
@@ -126,11 +148,10 @@ impl Interpreted {
         let (mut state, width) = (session.state().clone(), interpreter.settings().width());
         let (first, mut numbered) = (state.clone(), BTreeMap::<String, u32>::new());
         let mut found =
-            Self { tallies: Vec::new(), barriers: Vec::new(), submissions: 0, dispatches: Vec::new(), state: first };
+            Self { tallies: Vec::new(), after: Vec::new(), submissions: 0, dispatches: Vec::new(), state: first };
         for list in submitted(&session.steps_taken(settings.change)) {
             let dispatches = dispatches(&state, &list, width)?;
-            let uses = dispatches.iter().map(|dispatch| dispatch.uses(&state)).collect::<Result<Vec<_>>>()?;
-            found.barriers.extend(waits(uses, Choices::default().barriers).iter().map(Option::is_some));
+            found.after.extend(after(&state, &dispatches)?);
             found.submissions += u64::from(!dispatches.is_empty());
             found.dispatches.extend(dispatches);
             for step in list {
@@ -165,12 +186,21 @@ pub fn interpreted(scene: &Scene, interpreter: &Interpreter, settings: &Settings
     Ok(rows.into_iter().map(row).collect())
 }
 
+/// What each dispatch of a frame on this session's device begins after, with its kernel's name.
+pub(super) fn planned(session: &Session, change: Change, width: Width) -> Result<Vec<(String, After)>> {
+    let mut found = Vec::new();
+    for list in submitted(&session.steps_taken(change)) {
+        let dispatches = dispatches(session.state(), &list, width)?;
+        let after = after(session.state(), &dispatches)?;
+        found.extend(dispatches.iter().map(|dispatch| dispatch.kernel.clone()).zip(after));
+    }
+    Ok(found)
+}
+
 /// A frame that was counted.
 pub(super) struct Counted {
     /// The session that ran it.
     pub(super) session: Session,
-    /// The times of its steps, kernels or dispatches, as chosen.
-    pub(super) steps: Vec<Timing>,
     /// What each of its dispatches has done, after the kernel's name and that of the part that was timed with it.
     pub(super) tallies: Vec<([String; 2], Tally)>,
 }
@@ -179,15 +209,14 @@ pub(super) struct Counted {
 pub(super) fn counted(scene: &Scene, device: &Device, settings: &Settings, plain: &mut Session) -> Result<Counted> {
     // Instrumented kernels are slow: the first frame serves as the measured one if the others would be the same.
     let mut session = Session::new(scene, Some(device), settings.options)?;
-    let frame =
-        |session: &mut Session, change: Change| -> Result<_> { Ok((session.frame(change)?, session.tallies()?)) };
-    let (mut steps, mut tallies) = frame(&mut session, Change::EVERYTHING)?;
+    let frame = |session: &mut Session, change: Change| session.frame(change).and_then(|_| session.tallies());
+    let mut tallies = frame(&mut session, Change::EVERYTHING)?;
     let keeps = settings.options.mode != Mode::OnTheFly;
     if keeps || settings.change != Change::EVERYTHING || session.retries() + session.relinks() > 0 {
-        (steps, tallies) = frame(&mut session, settings.change)?;
+        tallies = frame(&mut session, settings.change)?;
     }
     same_work(&mut session, plain)?;
-    Ok(Counted { session, steps, tallies })
+    Ok(Counted { session, tallies })
 }
 
 impl Work {

@@ -24,6 +24,9 @@ pub static STAGE: Stage = Stage {
     writes: &[
         (BufferId::expansions, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-6 }),
         (BufferId::received, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-6 }),
+        (BufferId::area_received, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-6 }),
+        (BufferId::edge_received, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-6 }),
+        (BufferId::near_channels, Role::Update, Tolerance::Exact),
         (BufferId::estimate, Role::Update, Tolerance::Float { relative: 1e-2, floor: 1e-6 }),
     ],
     reason: "sums of some hundred terms whose quadrupoles cancel in part, e^-a with the rounding of a; an estimate is a \
@@ -101,7 +104,7 @@ fn expand(
     }
 }
 
-/// Evaluates the other lists at a receiver: their light, and the squared estimate of its error.
+/// Evaluates the other lists at a receiver: the light of each, and the squared estimate of their error.
 struct Near<'a> {
     data: &'a Buffers,
     cloud: &'a (dyn Fn(u32) -> ClusterMoments + Sync),
@@ -111,14 +114,14 @@ struct Near<'a> {
 }
 
 impl Near<'_> {
-    fn receive(&self, x: DVec3, run: &Runs, entries: &[u32], c: usize) -> (f64, f64) {
+    fn receive(&self, x: DVec3, run: &Runs, entries: &[u32], c: usize) -> ([f64; 3], f64) {
         let (direct, rest) = entries[run.expanded as usize..].split_at(run.direct as usize);
         let (area, rest) = rest.split_at(run.area as usize);
         let edge = &rest[..run.edge as usize];
-        let (mut sum, mut error) = (0.0, 0.0);
+        let (mut sums, mut error) = ([0.0; 3], 0.0);
         for &node in direct {
             let m = &(self.cloud)(node);
-            sum += self.jets.link(c, m, x, self.order);
+            sums[0] += self.jets.link(c, m, x, self.order);
             error += estimate::moments(&self.jets, c, m, x.distance_squared(m.center), self.order);
         }
         let dipole = self.jets.dipole(c);
@@ -130,7 +133,7 @@ impl Near<'_> {
             let m = &(self.cloud)(node);
             let (face, _, triangle) = corners(node);
             let area = f64::from(self.data.clusters[self.data.leaves[face] as usize].area).max(1e-37);
-            sum += m.weight / area * sampled(&triangle, x, dipole, Distance::Radial, &SIX);
+            sums[1] += m.weight / area * sampled(&triangle, x, dipole, Distance::Radial, &SIX);
             error += estimate::points(&self.jets, c, m, x.distance_squared(m.center));
         }
         let tint = f64::from(self.data.object_params[0].tint[c]).max(1e-37);
@@ -138,14 +141,30 @@ impl Near<'_> {
             let (face, corner, triangle) = corners(node);
             let factor = edge_form(&triangle, corner, x, dipole, Distance::Radial, &self.nodes);
             let value = f64::from(self.data.irradiance[face][c]) / tint * factor;
-            sum += value;
+            sums[2] += value;
             error += estimate::edge(dipole.sigma, &(self.cloud)(node), self.nodes.len() as u32, value);
         }
-        (sum, error)
+        (sums, error)
     }
-}
 
-impl Near<'_> {
+    /// A receiver's sums over its block's direct, area and edge lists, with those of other groups' channels, and the
+    /// estimate of its error.
+    fn received(&self, face: usize, run: &Runs, entries: &[u32], estimated: bool) -> [[f32; 3]; 4] {
+        let data = self.data;
+        let x = wide(data.receiver_positions[face]);
+        let [mut direct, mut area, mut edge] =
+            [&data.received, &data.area_received, &data.edge_received].map(|received| received[face]);
+        let mut error = data.estimate.get(face).copied().unwrap_or_default();
+        for c in self.jets.channels() {
+            let (sums, squared) = self.receive(x, run, entries, c);
+            direct[c] = sums[0] as f32;
+            area[c] = if run.area > 0 { sums[1] as f32 } else { area[c] };
+            edge[c] = if run.edge > 0 { sums[2] as f32 } else { edge[c] };
+            error[c] = if estimated { squared as f32 } else { error[c] };
+        }
+        [direct, area, edge, error]
+    }
+
     /// For each channel of the group, the light that the emitters dropped by a block would have sent to its centre.
     fn dropped(&self, sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]]) -> Vec<(usize, f64)> {
         let center = wide(sphere.center);
@@ -193,27 +212,21 @@ fn cpu(state: &mut State, at: Scope) {
                     expansion.error[c] += (sum * sum) as f32;
                 }
             }
+            let [area, edge] = [run.area, run.edge].map(|count| u32::from(count > 0) * channels);
+            let near_channels = (data.near_channels[number] & !(channels << 3 | channels)) | (edge << 3 | area);
             let block = data.blocks[number];
-            let receive = |face: usize| {
-                let x = wide(data.receiver_positions[face]);
-                let (mut sum, mut error) = (data.received[face], data.estimate.get(face).copied().unwrap_or_default());
-                for c in near.jets.channels() {
-                    let (value, squared) = near.receive(x, &run, list, c);
-                    sum[c] = value as f32;
-                    if method.estimate {
-                        error[c] = squared as f32;
-                    }
-                }
-                (face, sum, error)
-            };
+            let receive = |face: usize| (face, near.received(face, &run, list, method.estimate));
             let faces = block.first as usize..(block.first + block.count) as usize;
-            (number, expansion, faces.map(receive).collect::<Vec<_>>())
+            (number, expansion, near_channels, faces.map(receive).collect::<Vec<_>>())
         })
         .collect();
-    for (number, expansion, faces) in results {
+    for (number, expansion, near_channels, faces) in results {
         state.data.expansions[number] = expansion;
-        for (face, sum, error) in faces {
-            state.data.received[face] = sum;
+        state.data.near_channels[number] = near_channels;
+        for (face, [direct, area, edge, error]) in faces {
+            state.data.received[face] = direct;
+            state.data.area_received[face] = area;
+            state.data.edge_received[face] = edge;
             if method.estimate {
                 state.data.estimate[face] = error;
             }
@@ -228,18 +241,31 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
     let (count, estimate) = (range.count as usize, u32::from(method.estimate));
     let (alone, any_light) = (u32::from(pass.object().groups.len() == 1), u32::from(method.any_light));
+    // Without estimates no dispatch waits for another. Those of few invocations and long chains go first, so that the
+    // others fill the device meanwhile.
+    if !method.estimate {
+        near(pass, range)?;
+    }
     pass.dispatch(Some("expand"), &[group.channels, method.order, estimate, alone, any_light], push, count)?;
     if method.estimate {
         pass.dispatch(Some("dropped"), &[group.channels], push, count)?;
     }
     let places = count * BLOCK_RECEIVERS;
     pass.dispatch(Some("direct"), &[group.channels, method.order, estimate, any_light], push, places)?;
+    // Errors are added to those of the direct lists.
+    if method.estimate { near(pass, range) } else { Ok(()) }
+}
+
+/// Dispatches what sums the triangles too near for one sample.
+fn near(pass: &mut Pass<'_>, range: Range) -> Result<()> {
+    let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
+    let (estimate, any_light) = (u32::from(method.estimate), u32::from(method.any_light));
     for first in (0..pass.state.data.object_params[0].near_capacity).step_by(NEAR_PART as usize) {
         let push = [range, Range { first, count: NEAR_PART }];
         let push = bytemuck::bytes_of(&push);
-        pass.dispatch_counted("area", &[group.channels, estimate, any_light], push, (BufferId::near_groups, 0))?;
         let edge = [group.channels, method.nodes, estimate, any_light];
         pass.dispatch_counted("edge", &edge, push, (BufferId::near_groups, 0))?;
+        pass.dispatch_counted("area", &[group.channels, estimate, any_light], push, (BufferId::near_groups, 0))?;
     }
     Ok(())
 }

@@ -41,7 +41,7 @@ fn cpu(state: &mut State, at: Scope) {
     let (mask, estimated) = (alive(state.object(at)), state.method.estimate);
     let data = &state.data;
     let push = |number: usize| {
-        let (block, e) = (data.blocks[number], &data.expansions[number]);
+        let (block, e, near) = (data.blocks[number], &data.expansions[number], data.near_channels[number]);
         let center = wide(data.spheres[number].center);
         let radius = f64::from(data.spheres[number].radius);
         let face = move |face: usize| {
@@ -52,7 +52,12 @@ fn cpu(state: &mut State, at: Scope) {
                     error[c] = if estimated { 0.0 } else { error[c] };
                     continue;
                 }
-                let sum = f64::from(data.received[face][c]) + expanded(e, c, d);
+                let own = |bit: usize, values: &[[f32; 3]]| {
+                    if near >> (bit + c) & 1 == 0 { 0.0 } else { f64::from(values[face][c]) }
+                };
+                let received =
+                    f64::from(data.received[face][c]) + own(0, &data.area_received) + own(3, &data.edge_received);
+                let sum = received + expanded(e, c, d);
                 value[c] = sum.max(0.0) as f32;
                 if estimated {
                     let [own, center, rim] = [error[c], e.error[c], e.bend[c]].map(f64::from);

@@ -19,7 +19,7 @@ READS(runs)
 READS(entries)
 READS(near)
 READS(near_groups)
-UPDATES(received)
+UPDATES(area_received)
 UPDATES(estimate)
 #include "dipole/derivatives.glsl"
 #include "transport/blocks/cluster_moments.glsl"
@@ -67,6 +67,7 @@ void main() {
     vec3 all, all_errors;
     sum_near(part.first, min(part.first + part.count, run.area), all, all_errors);
     if (!stores(self) || run.area <= part.first) return;
-    received[self.face] += only_group(all, vec3(0));
+    vec3 before = area_received[self.face];
+    area_received[self.face] = only_group(part.first == 0 ? all : before + all, before);
     if (ESTIMATE != 0) estimate[self.face] += only_group(all_errors, vec3(0));
 }

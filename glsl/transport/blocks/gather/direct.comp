@@ -27,17 +27,17 @@ UPDATES(estimate)
 
 Dipole dipoles[3];
 
-// Adds an emitter to them, for a receiver at `d` from it.
+// Adds an emitter to them, for a receiver at `d` from it. The diagonal is halved.
 void add(ClusterMoments m, vec3 d) {
-    float d2 = dot(d, d);
-    float half_tau = ORDER == 2 ? 0.5 * (m.diagonal.x + m.diagonal.y + m.diagonal.z) : 0.0;
-    float half_along = ORDER == 2 ? 0.5 * dot(m.diagonal, d * d) + dot(m.mixed, d.yzx * d.zxy) : 0.0;
+    vec3 squares = d * d;
+    float d2 = squares.x + squares.y + squares.z, half_tau = m.diagonal.x + m.diagonal.y + m.diagonal.z;
+    float half_along = ORDER == 2 ? dot(m.diagonal, squares) + dot(m.mixed, d.yzx * d.zxy) : 0.0;
     EACH_CHANNEL({
-        sum[c] += m.weight * link_value(dipoles[c], d2, half_tau, half_along);
+        sum[c] += m.weight * link_value(dipoles[c], d2, ORDER == 2 ? half_tau : 0.0, half_along);
         if (ESTIMATE != 0) {
             vec3 p = m.weight * profile_derivatives(dipoles[c], d2);
             float unit = unit_chi(p, d2, dipoles[c].z2.x);
-            error[c] += missed_moments(ORDER, dipoles[c].sigma, p, unit, m.diagonal.x + m.diagonal.y + m.diagonal.z);
+            error[c] += missed_moments(ORDER, dipoles[c].sigma, p, unit, 2.0 * half_tau);
         }
     })
 }
@@ -45,6 +45,7 @@ void add(ClusterMoments m, vec3 d) {
 void add_some(vec3 x, uint first, uint at, uint count, uint width) {
     uint mine = SUBGROUP_LANE % width, base = SUBGROUP_LANE - mine;
     ClusterMoments load = cluster_moments(entries[first + min(at + mine, count - 1)]);
+    load.diagonal *= 0.5;
     uint last = min(width, count - at);
     for (uint k = 0; k < last; ++k) {
         uint from = base + k;

@@ -20,7 +20,7 @@ READS(runs)
 READS(entries)
 READS(near)
 READS(near_groups)
-UPDATES(received)
+UPDATES(edge_received)
 UPDATES(estimate)
 #include "dipole/form_factor/edge.glsl"
 #include "transport/blocks/channels.glsl"
@@ -65,6 +65,7 @@ void main() {
     vec3 all, all_errors;
     sum_near(part.first, min(part.first + part.count, run.edge), all, all_errors);
     if (!stores(self) || run.edge <= part.first) return;
-    received[self.face] += only_group(object_params[0].strength * all, vec3(0));
+    vec3 before = edge_received[self.face];
+    edge_received[self.face] = only_group(part.first == 0 ? object_params[0].strength * all : before + object_params[0].strength * all, before);
     if (ESTIMATE != 0) estimate[self.face] += only_group(all_errors, vec3(0));
 }

@@ -16,6 +16,7 @@ READS(spheres)
 READS(runs)
 READS(entries)
 UPDATES(expansions)
+UPDATES(near_channels)
 #include "dipole/derivatives.glsl"
 #include "transport/blocks/cluster_moments.glsl"
 #include "transport/blocks/channels.glsl"
@@ -65,6 +66,7 @@ void main() {
     if (i >= range.count) return;
     dipoles = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
     uint block = range.first + i;
+    uint near = (runs[i].area > 0 ? CHANNELS : 0) | (runs[i].edge > 0 ? CHANNELS << 3 : 0);
     Expansion sum = sum_of_runs(block, runs[i].first, runs[i].first + runs[i].expanded);
     if (LANES > 1 && gl_LocalInvocationIndex > 0) return;
     if (ALONE == 0) {
@@ -75,6 +77,8 @@ void main() {
             only_group(sum.xx, old.xx), only_group(sum.yy, old.yy), only_group(sum.zz, old.zz),
             only_group(sum.yz, old.yz), only_group(sum.zx, old.zx), only_group(sum.xy, old.xy),
             only_group(sum.error, old.error), only_group(sum.bend, old.bend));
+        near |= near_channels[block] & ~(CHANNELS << 3 | CHANNELS);
     }
+    near_channels[block] = near;
     expansions[block] = sum;
 }
