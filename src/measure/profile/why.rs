@@ -73,12 +73,14 @@ impl<'a> Limits<'a> {
         known.then(|| Self { rates, finer, in_turn: device.adapter().kind == "cpu" })
     }
 
-    /// What a row's work would take; arithmetic takes as long for the idle lanes of a subgroup.
+    /// What a row's work would take; arithmetic takes as long for the idle lanes of a subgroup, and where a processor's
+    /// vectors load lane by lane, so do loads and stores.
     fn shares(&self, row: &Row) -> Option<Shares> {
         let (rates, finer, work, seconds) = (self.rates, self.finer, row.work?, row.seconds()?);
         let share = |count: u64, rate: f64| count as f64 / rate / seconds;
         let width = work.invocations as f64 / work.subgroups.max(1) as f64;
-        let idle = width * work.issued as f64 / work.instructions.max(1) as f64;
+        let idle = f64::max(1.0, width * work.issued as f64 / work.instructions.max(1) as f64);
+        let idle_loads = if self.in_turn { idle } else { 1.0 };
         let arithmetic = [
             share(work.flops, 2.0 * rates.fma),
             share(work.exps, rates.exp),
@@ -88,12 +90,13 @@ impl<'a> Limits<'a> {
         // An atomic operation is counted as a load and a store of a word, too.
         let moved = (work.loaded + work.stored).saturating_sub(8 * work.atomics);
         let bound = work.read + work.written;
-        let loads = share(moved, finer.loads_in(0)?);
+        let loads = idle_loads * share(moved, finer.loads_in(0)?);
+        let shared = idle_loads * share(work.shared, finer.shared);
         Some(Shares {
             copy: share(bound, rates.copy),
-            accesses: [loads, share(work.shared, finer.shared), share(work.atomics, finer.atomic)],
-            arithmetic: arithmetic.map(|part| part * idle.max(1.0)),
-            misses: (share(moved, finer.loads_in(bound)?) - loads).max(0.0),
+            accesses: [loads, shared, share(work.atomics, finer.atomic)],
+            arithmetic: arithmetic.map(|part| part * idle),
+            misses: (idle_loads * share(moved, finer.loads_in(bound)?) - loads).max(0.0),
             in_turn: self.in_turn,
         })
     }
@@ -442,6 +445,9 @@ mod tests {
         let both = Work { loaded: 30, read: 1_000_000, ..of_eights(40, 40, 5) };
         let [in_turn, at_once] = [true, false].map(|in_turn| shares(both, in_turn));
         assert_eq!([in_turn.work(0.0), at_once.work(0.0)], [0.7, 0.4]);
+        // Half of the lanes are idle: arithmetic takes twice as long, and so do loads of a processor's vectors.
+        let half = Work { loaded: 30, ..of_eights(40, 40, 10) };
+        assert_eq!([true, false].map(|in_turn| shares(half, in_turn).work(0.0)), [1.4, 0.8]);
         // Misses count as far as loads take longer than arithmetic then.
         assert_eq!(Bounds::of(0.0, 0.0, &Shares { misses: 0.2, ..at_once }).misses, 0.3 + 0.2 - 0.4);
     }
