@@ -153,7 +153,7 @@ buffers! {
     entries: u32, batch;
     /// The radiosity that distant emitters give each block.
     expansions: Expansion, block;
-    /// Radiosity of each receiver from its block's direct list.
+    /// Radiosity of each receiver from its block's direct list; of diffusion from its area and edge lists, too.
     received: [f32; 3], receiver;
     /// Radiosity of each receiver from its block's area list; only where there is one.
     area_received: [f32; 3], receiver;

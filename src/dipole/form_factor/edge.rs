@@ -38,19 +38,6 @@ pub fn edge_form(
     weighed(triangle, indices, x_o, dipole, distance, |f, sigma, h| integral(f, sigma, h, nodes))
 }
 
-/// [`edge_form`] by quadrature in the angle `psi` itself: a little more even, but it needs trigonometric functions.
-#[must_use]
-pub fn edge_form_psi(
-    triangle: &[DVec3; 3],
-    indices: [u32; 3],
-    x_o: DVec3,
-    dipole: &Dipole,
-    distance: Distance,
-    nodes: &[Node],
-) -> f64 {
-    weighed(triangle, indices, x_o, dipole, distance, |f, sigma, h| integral_psi(f, sigma, h, nodes))
-}
-
 /// The sum over both sources of the dipole, each with its depth as the numerator (equation 7). `source` is the integral
 /// for a source of this extinction and height.
 pub(super) fn weighed(
