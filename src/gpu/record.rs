@@ -135,7 +135,7 @@ impl Recorder {
         for access in &kernel.accesses {
             let bound = bindings.iter().find(|b| b.number == access.binding);
             ranges.push(match (bound, counters) {
-                (Some(bound), _) => range(bound.buffer, bound.offset, bound.size),
+                (Some(bound), _) => self.bound(bound),
                 (None, Some((buffer, first, size))) if access.binding == count::BINDING => range(buffer, first, size),
                 (None, _) => {
                     return Err(Error::device(doing(), format!("nothing is bound at {}", access.binding)));
@@ -149,6 +149,13 @@ impl Recorder {
         };
         self.list.push(Entry::Dispatch(Listed { kernel, ranges, push, groups }));
         Ok(())
+    }
+
+    /// The range that a dispatch binds. What has no bytes makes no barrier: each dispatch has a word of its own there, in
+    /// case it writes one.
+    fn bound(&self, binding: &Binding<'_>) -> BoundRange {
+        let own = ((self.list.len() as u64) << 8) % binding.buffer.size().max(1);
+        range(binding.buffer, if binding.size == 0 { own } else { binding.offset }, binding.size)
     }
 
     /// Lists a copy of all bytes of a range to the beginning of a buffer, or with `back` from there; it waits for all

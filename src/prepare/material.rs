@@ -144,13 +144,15 @@ pub(crate) fn quadrature(state: &mut State, scene: &Scene) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Fresnel;
 
     #[test]
     fn squares_of_both_depths_have_a_product_in_f32() {
         for density in [1e-300, 1e300] {
-            for eta in [0.5, 1.0, 3.8] {
+            for (eta, fresnel) in [(0.5, Fresnel::Exact), (5.0, Fresnel::Exact), (3.8, Fresnel::Paper)] {
                 let mut material = Scene::load("sphere").unwrap().objects.remove(0).material;
-                (material.sigma_s_prime, material.sigma_a, material.eta) = ([density; 3], [density; 3], [eta; 3]);
+                (material.sigma_s_prime, material.sigma_a) = ([density; 3], [density; 3]);
+                (material.eta, material.fresnel) = ([eta; 3], fresnel);
                 let [depths, ..] = dipoles(&material, 1.0).map(|dipole| dipole.depths().map(|depth| depth as f32));
                 let product = depths.map(|depth| depth * depth).iter().product::<f32>();
                 assert!(product.is_normal() && (1.0 / product).is_normal(), "{density} {eta}: {product}");

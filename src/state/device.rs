@@ -32,7 +32,7 @@ impl DeviceState {
     /// The copy of a state, without buffers yet. With `guarded`, every buffer is followed by bytes that
     /// [`Self::trespasses`] checks.
     pub fn new(device: &Device, guarded: bool) -> Result<Self> {
-        let nothing = Box::new(Buffer::new(device, "nothing", 4)?);
+        let nothing = Box::new(Buffer::new(device, "nothing", 1 << 18)?);
         let (kernels, recordings) = (Kernels::new(device), Recordings::default());
         let (execution, device) = (Box::new(ExecutionCheck::new(device)?), device.clone());
         Ok(Self { device, kernels, buffers: BTreeMap::new(), nothing, recordings, execution, guarded })

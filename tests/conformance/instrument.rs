@@ -13,7 +13,7 @@ use milkglass::internals::session::run::Session;
 use milkglass::internals::state::Width;
 use milkglass::measure::interpret::stage::{self, Interpreter};
 use milkglass::measure::profile::{
-    Model, Open, Settings, Work, against, interpreted, predict, predict_interpreted, profile, work,
+    Model, Open, Predicted, Settings, Work, against, interpreted, predict, predict_interpreted, profile, work,
 };
 use milkglass::scene::Scene;
 
@@ -233,7 +233,15 @@ fn the_interpreter_predicts_what_devices_do() {
                         assert!((own.us() / other.us() - 1.0).abs() < 0.1, "{own:?}, {other:?}");
                     }
                     _ => {
-                        assert_eq!(own, other, "{transport:?} on {}", device.name());
+                        // What runs beside one of those walks shares its time.
+                        let counted = |row: &Predicted| Predicted {
+                            issue_us: 0.0,
+                            residence_us: 0.0,
+                            chain_us: 0.0,
+                            ..row.clone()
+                        };
+                        assert_eq!(counted(own), counted(other), "{transport:?} on {}", device.name());
+                        assert!((own.us() / other.us() - 1.0).abs() < 1e-3, "{own:?}, {other:?}");
                         same += 1;
                     }
                 }

@@ -22,10 +22,8 @@ WRITES(radiosity)
 #include "transport/blocks/estimate.glsl"
 #include "transport/blocks/gather/receiver.glsl"
 
-// The channels of these bits; others are black.
-vec3 only(uint bits, vec3 v) {
-    return mix(vec3(0), v, bvec3((bits & 1u) != 0, (bits & 2u) != 0, (bits & 4u) != 0));
-}
+// The channels of these bits.
+bvec3 channels(uint bits) { return bvec3((bits & 1u) != 0, (bits & 2u) != 0, (bits & 4u) != 0); }
 
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
@@ -33,19 +31,20 @@ void main() {
     if (!self.present) return;
     vec3 sum = received[self.face];
     uint near = near_channels[range.first + self.run];
-    if ((near & 7u) != 0) sum += only(near, area_received[self.face]);
-    if (near >> 3 != 0) sum += only(near >> 3, edge_received[self.face]);
+    if ((near & 7u) != 0) sum += mix(vec3(0), area_received[self.face], channels(near));
+    if (near >> 3 != 0) sum += mix(vec3(0), edge_received[self.face], channels(near >> 3));
     Expansion e = expansions[range.first + self.run];
     vec3 d = self.x - spheres[range.first + self.run].center;
     vec3 value = e.value + d.x * e.x + d.y * e.y + d.z * e.z;
     value += 0.5 * (d.x * d.x * e.xx + d.y * d.y * e.yy + d.z * d.z * e.zz) +
              d.y * d.z * e.yz + d.z * d.x * e.zx + d.x * d.y * e.xy;
     sum += value;
-    radiosity[self.face] = only(ALIVE, max(sum, vec3(0)));
+    bvec3 alive = channels(ALIVE);
+    radiosity[self.face] = mix(vec3(0), max(sum, vec3(0)), alive);
     if (ESTIMATE != 0) {
         float radius = spheres[range.first + self.run].radius;
         vec3 sigma = object_params[0].sigma, rounding = object_params[0].rounding, own = estimate[self.face];
         vec3 whole = close_estimate(sigma, rounding, own, e.error, e.bend, length(d), radius, sum);
-        estimate[self.face] = only(ALIVE, whole);
+        estimate[self.face] = mix(vec3(0), whole, alive);
     }
 }

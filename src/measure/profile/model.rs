@@ -80,7 +80,7 @@ pub struct Predicted {
     pub issue_us: f64,
     /// Holding invocations, one after the other, where that bounds it.
     pub residence_us: f64,
-    /// What the longest invocation takes, beyond that of those that run beside it.
+    /// All of a dispatch's time, where its longest invocation outlasts what runs beside it.
     pub chain_us: f64,
 }
 
@@ -257,7 +257,9 @@ fn rows(model: &Model, timed: Timed, tallies: &[([String; 2], Tally)], after: &[
             rows.push(Predicted { stage: name, ..Predicted::default() });
         }
         rows[place].add(tally, share);
-        rows[place].barriers += usize::from(*after == After::Barrier);
+        // Dispatches that count together have a barrier each, but for the first.
+        let together = usize::try_from(tally.dispatches).unwrap_or(usize::MAX).saturating_sub(1);
+        rows[place].barriers += usize::from(*after == After::Barrier) + together;
     }
     for row in &mut rows {
         row.launches_us = row.dispatches as f64 * model.dispatch_us + row.barriers as f64 * model.barrier_us;
@@ -296,7 +298,7 @@ fn after<'a>(planned: Vec<(String, After)>, kernels: impl ExactSizeIterator<Item
         None => (last == Some(kernel)).then_some(After::Barrier),
     };
     let found: Option<Vec<After>> = kernels.map(of).collect();
-    found.unwrap_or_else(|| vec![After::Barrier; count])
+    found.filter(|_| left.next().is_none()).unwrap_or_else(|| vec![After::Barrier; count])
 }
 
 /// The same, counted by the interpreter, which shares work as its settings say.
@@ -377,6 +379,7 @@ mod tests {
         let of = |kernels: &[&str]| after(planned(), kernels.iter().map(|k| k.to_string()).collect::<Vec<_>>().iter());
         assert_eq!(of(&["a", "climb", "climb", "b", "b"]), [Submission, Barrier, Barrier, Nothing, Barrier]);
         assert_eq!(of(&["a", "b"]), [Barrier; 2]);
+        assert_eq!(of(&["a", "climb"]), [Barrier; 2]);
     }
 
     #[test]
