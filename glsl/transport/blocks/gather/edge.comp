@@ -65,7 +65,7 @@ void main() {
     vec3 all, all_errors;
     sum_near(part.first, min(part.first + part.count, run.edge), all, all_errors);
     if (!stores(self) || run.edge <= part.first) return;
-    vec3 before = edge_received[self.face];
-    edge_received[self.face] = only_group(part.first == 0 ? object_params[0].strength * all : before + object_params[0].strength * all, before);
+    vec3 before = edge_received[self.face], own = object_params[0].strength * all;
+    edge_received[self.face] = only_group(part.first == 0 ? own : before + own, before);
     if (ESTIMATE != 0) estimate[self.face] += only_group(all_errors, vec3(0));
 }
