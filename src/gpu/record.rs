@@ -151,8 +151,8 @@ impl Recorder {
         Ok(())
     }
 
-    /// The range that a dispatch binds. What has no bytes makes no barrier: each dispatch has a word of its own there, in
-    /// case it writes one.
+    /// The range that a dispatch binds. What has no bytes makes no barrier: each dispatch has a word of its own there,
+    /// in case it writes one.
     fn bound(&self, binding: &Binding<'_>) -> BoundRange {
         let own = ((self.list.len() as u64) << 8) % binding.buffer.size().max(1);
         range(binding.buffer, if binding.size == 0 { own } else { binding.offset }, binding.size)
