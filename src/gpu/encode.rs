@@ -6,7 +6,7 @@ use std::time::Duration;
 use ash::vk;
 
 use super::call::vk_call;
-use super::choices::{Queues, Submissions};
+use super::choices::{Barriers, Queues, Submissions, Timed};
 use super::faults::{Told, drops, tell};
 use super::list::{Entry, Groups, Listed, Place, Timing};
 use super::logical_device::LogicalDevice;
@@ -204,11 +204,16 @@ impl Encoded {
     /// What each dispatch waits for within its queue; also finds the batches where there are several queues.
     fn find_waits(&mut self, list: &[Entry], dispatches: &[&Listed]) -> Result<Vec<Option<Wait>>> {
         let choices = self.device.choices();
+        // A dispatch that is timed has the device to itself.
+        let barriers = match choices.barriers {
+            Barriers::Elided if choices.timed != Timed::Steps => Barriers::Every,
+            barriers => barriers,
+        };
         Ok(match choices.queues {
-            Queues::One => waits(dispatches.iter().map(|listed| uses(listed)), choices.barriers),
+            Queues::One => waits(dispatches.iter().map(|listed| uses(listed)), barriers),
             Queues::Apart | Queues::Two => {
                 let batches = Batches::new(&self.device, list)?;
-                let waits = batches.waits(dispatches, choices.barriers);
+                let waits = batches.waits(dispatches, barriers);
                 self.batches = Some(batches);
                 waits
             }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use milkglass::internals::gpu::{AXES, Choices, Device, Kernels};
+use milkglass::internals::gpu::{AXES, Choices, Device, Kernels, Timed};
 use milkglass::internals::layout::BUFFER_IDS;
 use milkglass::internals::pipeline::frame::STAGES;
 use milkglass::internals::pipeline::plan::{Change, Goal, Options};
@@ -191,5 +191,20 @@ fn lists_of_a_block_are_summed_side_by_side() {
         // The estimates of all lists are added up in one buffer.
         let [dispatches, barriers] = gather(true);
         assert!(dispatches == 5 && barriers > 2, "{dispatches} dispatches, {barriers} barriers");
+    });
+}
+
+#[test]
+fn a_kernel_that_is_timed_has_the_device_to_itself() {
+    let scene = features::ball(&[]);
+    on_devices(|device| {
+        for timed in [Timed::Kernels, Timed::Dispatches] {
+            let device = device.opened_as(&Choices { timed, ..device.choices().clone() }).unwrap();
+            let mut session = Session::new(&scene, Some(&device), Options::default()).unwrap();
+            let times = session.frame(Change::EVERYTHING).unwrap();
+            let gather = times.iter().filter(|step| step.name.contains("blocks/gather/"));
+            let parts: Vec<_> = gather.map(|step| (step.dispatches, step.barriers)).collect();
+            assert!(parts.len() == 4 && parts.iter().all(|part| *part == (1, 1)), "{parts:?}");
+        }
     });
 }

@@ -268,6 +268,18 @@ fn the_fixtures_revise_and_the_tight_ones_overflow() {
 }
 
 #[test]
+fn a_fixture_has_blocks_whose_near_lists_are_gone() {
+    let fixture = milkglass::measure::fixtures::fixture("lights of two colours, near lists that are gone").unwrap();
+    let mut state = fixture.state.clone();
+    fixture.steps.iter().for_each(|step| step.reference(&mut state));
+    let [before, after] = [&fixture.state, &state].map(|state| &state.data.near_channels);
+    assert_eq!(before.len(), after.len());
+    // Bits of area lists, and of edge lists.
+    let gone = |bits: u32| before.iter().zip(after).filter(|(old, new)| (**old & !**new) & bits != 0).count();
+    assert!(gone(7) > 0 && gone(7 << 3) > 0);
+}
+
+#[test]
 fn plan_tells_the_mode_and_what_blocks_do() {
     let here = folder(&[]);
     let plan = |more: &str| good(&here, &format!("plan sphere --set object.0.detail=1 --device cpu {more}")).0;
