@@ -124,7 +124,7 @@ impl ReplaceArgument {
         let rows = check(&device, &self.fixtures(&names, setups)?)?;
         let (good, bad): (Vec<_>, Vec<_>) = rows.iter().partition(|row| row.faults.is_empty());
         for row in good {
-            tell!("{}: {} words conform to the reference", row.stage, row.words);
+            tell!("{}: {} words conform to the reference", row.stage, row.distances.words);
         }
         if unchecked {
             for row in &bad {

@@ -1,24 +1,22 @@
 //! Word-by-word comparison of one buffer in two states, for conformance.
 
-use super::bias::Bias;
+use super::bias::{Bias, add};
 use super::pattern::pattern;
 use super::rules::{Allowed, Rules, field_of};
 use crate::layout::{BufferId, Number, Word};
 use crate::state::{State, Tolerance};
 
-/// Upper bounds, in units in the last place, of all but the last bin of [`Comparison::histogram`].
+/// Upper bounds, in units in the last place, of all but the last bin of [`Distances::histogram`].
 pub const BINS: [u64; 7] = [0, 1, 3, 7, 15, 255, 65_535];
 
 /// Distances beyond this, in units in the last place, are explained where they are within tolerance.
 const FAR: u64 = 255;
 
-/// Differences between one buffer of the device and the reference's.
+/// How far the device's values are from the reference's.
 #[derive(Clone, Debug, Default)]
-pub struct Comparison {
+pub struct Distances {
     /// Words compared.
     pub words: usize,
-    /// Words beyond the tolerance.
-    pub failures: usize,
     /// Largest distance over all floats, units in the last place.
     pub ulp: u64,
     /// Number of floats per distance: one bin for each of [`BINS`], and one for larger distances.
@@ -29,14 +27,23 @@ pub struct Comparison {
     pub used: f64,
     /// The signed relative differences of each field.
     pub biases: Vec<Bias>,
+    /// The float of the largest distance, and why it may be that far off; none if its own size allows that.
+    pub farthest: Option<String>,
+}
+
+/// Differences between one buffer of the device and the reference's.
+#[derive(Clone, Debug, Default)]
+pub struct Comparison {
+    /// The distances of all values.
+    pub distances: Distances,
+    /// Words beyond the tolerance.
+    pub failures: usize,
     /// The first failure as text: index, field, both values, both in hex.
     pub first: Option<String>,
     /// The failure that is farthest beyond what is allowed, where it is not the first.
     pub worst: Option<String>,
     /// Where the failures are.
     pub places: String,
-    /// The float of the largest distance, and why it may be that far off; none if its own size allows that.
-    pub farthest: Option<String>,
 }
 
 /// Distance between two floats in units in the last place; `u64::MAX` if either is NaN.
@@ -73,17 +80,18 @@ pub fn compare(
         device: bytemuck::cast_slice(device.data.bytes(slot)),
     };
     let (a, b, layout) = (both.reference, both.device, &both.layout);
-    let mut result = Comparison { words: part.1 * layout.len(), ..Comparison::default() };
+    let mut result = Comparison::default();
+    result.distances.words = part.1 * layout.len();
     if a.len() != b.len() {
         result.failures = a.len().abs_diff(b.len());
         result.first = Some(format!("{} words on the device, {} expected", b.len(), a.len()));
         return result;
     }
     if part.1 > 0 && tolerance != Tolerance::Exact {
-        result.biases = both.biases(part);
+        result.distances.biases = both.biases(part);
     }
     if a == b {
-        result.histogram[0] = (part.1 * both.floats().count()) as u64;
+        result.distances.histogram[0] = (part.1 * both.floats().count()) as u64;
         return result;
     }
     let rules = Rules::new(slot, reference, tolerance);
@@ -94,12 +102,12 @@ pub fn compare(
         let equal = if float { same(x, y, || rules.at(i).most.is_some()) } else { x == y };
         if float && (part.0..part.0 + part.1).contains(&(i / layout.len())) {
             let distance = if equal { 0 } else { ulp(f32::from_bits(x), f32::from_bits(y)) };
-            result.histogram[BINS.iter().take_while(|most| distance > **most).count()] += 1;
-            if distance > result.ulp {
-                (result.ulp, farthest) = (distance, i);
+            result.distances.histogram[BINS.iter().take_while(|most| distance > **most).count()] += 1;
+            if distance > result.distances.ulp {
+                (result.distances.ulp, farthest) = (distance, i);
             }
         }
-        let (passes, beyond) = if float && !equal { result.hold([x, y], rules.at(i)) } else { (equal, 0.0) };
+        let (passes, beyond) = if float && !equal { result.distances.hold([x, y], rules.at(i)) } else { (equal, 0.0) };
         if !passes {
             if wrong.is_empty() || beyond > worst.1 || (f64::is_nan(beyond) && !f64::is_nan(worst.1)) {
                 worst = (i, beyond);
@@ -109,8 +117,8 @@ pub fn compare(
     }
     result.failures = wrong.len();
     result.first = wrong.first().map(|&first| both.told(first));
-    if result.ulp > FAR && wrong.is_empty() {
-        result.farthest = rules.at(farthest).beside_its_share().map(|why| {
+    if result.distances.ulp > FAR && wrong.is_empty() {
+        result.distances.farthest = rules.at(farthest).beside_its_share().map(|why| {
             let off = (f64::from(f32::from_bits(b[farthest])) - f64::from(f32::from_bits(a[farthest]))).abs();
             format!("{}: off by {off:.1e}, {why}", both.told(farthest))
         });
@@ -122,7 +130,19 @@ pub fn compare(
     result
 }
 
-impl Comparison {
+impl Distances {
+    /// Adds those of more values.
+    pub fn add(&mut self, more: Self) {
+        self.words += more.words;
+        if more.ulp > self.ulp {
+            (self.ulp, self.farthest) = (more.ulp, more.farthest);
+        }
+        self.histogram.iter_mut().zip(more.histogram).for_each(|(sum, count)| *sum += count);
+        self.relative = self.relative.max(more.relative);
+        self.used = self.used.max(more.used);
+        add(&mut self.biases, &more.biases);
+    }
+
     /// Whether two floats that differ are within what is allowed, and by which factor the difference exceeds that.
     fn hold(&mut self, words: [u32; 2], Allowed { lowest, most, .. }: Allowed) -> (bool, f64) {
         let [p, q] = words.map(f32::from_bits);
@@ -201,15 +221,15 @@ mod tests {
         let device = state(vec![[1.0, 2.0, 3.0], [4.0, 5.001, 6.0]]);
         let tight = Tolerance::Float { relative: 1e-5, floor: 0.0 };
         let found = compare(BufferId::radiosity, &reference, &device, tight, (0, 2));
-        assert_eq!((found.words, found.failures), (6, 1));
-        assert!((found.used - 20.0).abs() < 0.1, "{}", found.used);
-        assert_eq!(found.histogram, [5, 0, 0, 0, 0, 0, 1, 0]);
+        assert_eq!((found.distances.words, found.failures), (6, 1));
+        assert!((found.distances.used - 20.0).abs() < 0.1, "{}", found.distances.used);
+        assert_eq!(found.distances.histogram, [5, 0, 0, 0, 0, 0, 1, 0]);
         assert!(
             found.first.as_ref().is_some_and(|text| text.starts_with("radiosity[1].1: reference 5e0 (0x40a00000)"))
         );
         let loose = Tolerance::Float { relative: 1e-3, floor: 0.0 };
         let within = compare(BufferId::radiosity, &reference, &device, loose, (0, 2));
-        assert!(within.failures == 0 && (within.used - 0.2).abs() < 0.001, "{}", within.used);
+        assert!(within.failures == 0 && (within.distances.used - 0.2).abs() < 0.001, "{}", within.distances.used);
         assert_eq!(compare(BufferId::radiosity, &reference, &device, Tolerance::Exact, (0, 2)).failures, 1);
     }
 
@@ -219,7 +239,7 @@ mod tests {
         let found =
             compare(BufferId::radiosity, &state(vec![[1.0; 3]]), &state(vec![[1.0, f32::NAN, 1.0]]), tolerance, (0, 1));
         assert_eq!(found.failures, 1);
-        assert_eq!(found.ulp, u64::MAX);
+        assert_eq!(found.distances.ulp, u64::MAX);
         // What is computed from poison is not a number on any processor, in bits of its own.
         let [poison, own] = [0xffc0_dead, 0x7fff_ffff].map(|bits| state(vec![[1.0, f32::from_bits(bits), 1.0]]));
         let failures = |tolerance| compare(BufferId::radiosity, &poison, &own, tolerance, (0, 1)).failures;
@@ -233,11 +253,11 @@ mod tests {
             let tolerance = Tolerance::Float { relative: 1e-5, floor };
             compare(BufferId::radiosity, &near, &far, tolerance, (0, 1))
         };
-        let text = found(1e-6).farthest.unwrap();
+        let text = found(1e-6).distances.farthest.unwrap();
         assert!(text.starts_with("radiosity[0].1: reference 1e-9 (0x3089705f), device 2e-9"), "{text}");
         assert!(text.ends_with("off by 1.0e-9, allowed 1.0e-6, 1.0e-6 of it by the floor"), "{text}");
         // A failure has words of its own.
-        assert!(found(1e-12).farthest.is_none());
+        assert!(found(1e-12).distances.farthest.is_none());
         let by_share = Allowed { lowest: 1e-9, rounding: 0.0, most: Some(1e-5) };
         assert_eq!(by_share.beside_its_share(), None);
         let rounded = Allowed { lowest: 1e-9, rounding: 1e-5, most: Some(1e-5) };

@@ -11,9 +11,8 @@ use crate::error::Result;
 use crate::geometry::{deform, placement};
 use crate::gpu::Device;
 use crate::layout::{BUFFER_IDS, BufferId};
-use crate::measure::bias::{Bias, add};
 pub use crate::measure::compare::BINS;
-use crate::measure::compare::{Comparison, compare};
+use crate::measure::compare::{Distances, compare};
 use crate::measure::fixtures::Fixture;
 use crate::measure::interpret::POISON;
 use crate::state::{DeviceState, Role, State, Step, Tolerance};
@@ -27,22 +26,10 @@ pub struct Row {
     pub stage: &'static str,
     /// Steps compared: one per object, chunk, group or batch.
     pub steps: usize,
-    /// Words compared.
-    pub words: usize,
-    /// Largest distance in units in the last place.
-    pub ulp: u64,
-    /// Number of written floats per distance: one bin for each of [`BINS`], and one for larger distances.
-    pub histogram: [u64; 8],
-    /// Largest relative difference.
-    pub relative: f64,
-    /// Largest difference as a share of the allowed one; up to 1 it is within tolerance.
-    pub used: f64,
-    /// The signed relative differences, field by field.
-    pub biases: Vec<Bias>,
+    /// The distances of what the stage writes.
+    pub distances: Distances,
     /// Everything found wrong; empty if the stage conforms.
     pub faults: Vec<String>,
-    /// The float of the largest distance of all, where it conforms for another reason than its own size.
-    pub farthest: Option<String>,
     /// Of each buffer that the stage writes, a hash of what the device left in all steps.
     pub hashes: Vec<(&'static str, u64)>,
     /// Time of the comparison by the host's clock, seconds.
@@ -128,14 +115,7 @@ fn compared(
 pub(super) fn add_row(rows: &mut Vec<Row>, row: Row) {
     let Some(known) = rows.iter_mut().find(|known| known.stage == row.stage) else { return rows.push(row) };
     known.steps += 1;
-    known.words += row.words;
-    if row.ulp > known.ulp {
-        (known.ulp, known.farthest) = (row.ulp, row.farthest);
-    }
-    known.histogram.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count);
-    known.relative = known.relative.max(row.relative);
-    known.used = known.used.max(row.used);
-    add(&mut known.biases, &row.biases);
+    known.distances.add(row.distances);
     known.faults.extend(row.faults);
     known.failed = known.failed.or(row.failed);
     known.seconds += row.seconds;
@@ -263,16 +243,9 @@ pub(super) fn compared_row(step: Step, name: &str, [reference, device]: [&State;
     for &slot in BUFFER_IDS.iter().filter(|slot| !step.stage.is_scratch(**slot)) {
         let written = step.stage.writes.iter().find(|(written, _, _)| *written == slot);
         let tolerance = written.map_or(Tolerance::Exact, |(_, _, tolerance)| *tolerance);
-        let found: Comparison = compare(slot, reference, device, tolerance, reference.part(slot, step.at));
+        let found = compare(slot, reference, device, tolerance, reference.part(slot, step.at));
         if written.is_some() {
-            row.words += found.words;
-            if found.ulp > row.ulp {
-                (row.ulp, row.farthest) = (found.ulp, found.farthest);
-            }
-            row.histogram.iter_mut().zip(found.histogram).for_each(|(sum, count)| *sum += count);
-            row.relative = row.relative.max(found.relative);
-            row.used = row.used.max(found.used);
-            add(&mut row.biases, &found.biases);
+            row.distances.add(found.distances);
         }
         if found.failures > 0 {
             let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };

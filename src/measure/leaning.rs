@@ -7,7 +7,7 @@ use super::conform::Row;
 #[must_use]
 pub fn of_stage<'a>(rows: impl IntoIterator<Item = &'a Row>, stage: &str) -> Vec<Bias> {
     let mut sums = Vec::new();
-    rows.into_iter().filter(|row| row.stage == stage).for_each(|row| add(&mut sums, &row.biases));
+    rows.into_iter().filter(|row| row.stage == stage).for_each(|row| add(&mut sums, &row.distances.biases));
     sums
 }
 
@@ -24,7 +24,7 @@ pub fn blame(rows: &mut [Row]) {
         }
         let mut known = false;
         for row in rows.iter_mut().filter(|row| row.stage == stage) {
-            let own = leaning(&row.biases, "");
+            let own = leaning(&row.distances.biases, "");
             known |= !own.is_empty();
             row.faults.extend(own);
         }
@@ -39,14 +39,14 @@ pub fn blame(rows: &mut [Row]) {
 mod tests {
     use super::*;
     use crate::measure::bias::farthest;
+    use crate::measure::compare::Distances;
 
     #[test]
     fn rows_of_a_stage_count_together() {
-        let row = |off: f32| Row {
-            stage: "push",
-            steps: 1,
-            biases: vec![Bias::of("radiosity", "", (0..50).map(|k| (1.0 + k as f32, (1.0 + k as f32) * (1.0 + off))))],
-            ..Row::default()
+        let row = |off: f32| {
+            let pairs = (0..50).map(|k| (1.0 + k as f32, (1.0 + k as f32) * (1.0 + off)));
+            let distances = Distances { biases: vec![Bias::of("radiosity", "", pairs)], ..Distances::default() };
+            Row { stage: "push", steps: 1, distances, ..Row::default() }
         };
         let mut rows = vec![row(3e-5), row(3e-5), row(3e-5)];
         blame(&mut rows);

@@ -24,7 +24,11 @@ fn every_kernel_conforms() {
     let faults = Mutex::new(Vec::new());
     on_devices_each(&fixtures, |device, fixture| {
         let rows = conform(device, fixture, &[]).unwrap();
-        assert!(!rows.is_empty() && rows.iter().all(|row| row.words > 0), "{} compared nothing", fixture.name);
+        assert!(
+            !rows.is_empty() && rows.iter().all(|row| row.distances.words > 0),
+            "{} compared nothing",
+            fixture.name
+        );
         let named = rows
             .iter()
             .flat_map(|row| &row.faults)

@@ -38,7 +38,7 @@ fn faults(part: &str, other: &str) -> Vec<String> {
         let device =
             device.replacing(KERNEL, replacements(KERNEL, &file, &Given::default()).unwrap().remove(0).1).unwrap();
         let rows = check(&device, &list).unwrap();
-        assert!(rows.iter().all(|row| row.words > 0) && !rows.is_empty());
+        assert!(rows.iter().all(|row| row.distances.words > 0) && !rows.is_empty());
         found.lock().unwrap().extend(rows.into_iter().flat_map(|row| row.faults));
     });
     found.into_inner().unwrap()

@@ -332,5 +332,5 @@ fn the_interpreter_conforms_bit_for_bit_where_stages_are_exact() {
     assert!(wrong.is_empty(), "{wrong:#?}");
     // Lists of links are decisions, which have one result.
     let link = rows.iter().find(|row| row.stage == "link").unwrap();
-    assert!(link.words > 1000 && link.ulp == 0, "{link:?}");
+    assert!(link.distances.words > 1000 && link.distances.ulp == 0, "{link:?}");
 }

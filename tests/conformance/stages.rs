@@ -65,7 +65,7 @@ fn every_stage_conforms_on_every_fixture() {
         assert!(!rows.is_empty(), "{} compared nothing", fixture.name);
         all_rows.lock().unwrap().entry(device.name().to_string()).or_default().extend(rows.iter().cloned());
         for row in rows {
-            assert!(row.words > 0, "{}: {} compared no word", fixture.name, row.stage);
+            assert!(row.distances.words > 0, "{}: {} compared no word", fixture.name, row.stage);
             let named = row.faults.into_iter().map(|fault| format!("{}, {}: {fault}", device.name(), fixture.name));
             faults.lock().unwrap().extend(named);
         }

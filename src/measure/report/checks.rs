@@ -76,9 +76,9 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         }
         for stage in stages.iter_mut().filter(|stage| stage.name == row.stage) {
             stage.fixtures += 1;
-            stage.words += row.words;
-            stage.ulp = stage.ulp.max(row.ulp);
-            stage.used = stage.used.max(row.used);
+            stage.words += row.distances.words;
+            stage.ulp = stage.ulp.max(row.distances.ulp);
+            stage.used = stage.used.max(row.distances.used);
             stage.faults += row.faults.len();
         }
     }

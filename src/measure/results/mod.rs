@@ -157,7 +157,7 @@ impl Outcome {
     /// The record of a row on this device.
     #[must_use]
     pub fn new(adapter: &Adapter, row: &Row, repeat: String) -> Self {
-        let stage = stage(row.stage);
+        let (stage, distances) = (stage(row.stage), &row.distances);
         let writes = stage.map_or(&[][..], |stage| stage.writes).iter();
         let compared = writes.filter(|(slot, ..)| stage.is_some_and(|stage| !stage.is_scratch(*slot)));
         Self {
@@ -170,16 +170,16 @@ impl Outcome {
             known: None,
             repeat,
             steps: row.steps,
-            words: row.words,
-            ulp: (row.ulp < u64::MAX).then_some(row.ulp),
-            histogram: row.histogram,
-            relative: row.relative.is_finite().then_some(row.relative),
-            of_tolerance: row.used.is_finite().then_some(row.used),
-            farthest: row.farthest.clone().filter(|_| row.faults.is_empty()),
+            words: distances.words,
+            ulp: (distances.ulp < u64::MAX).then_some(distances.ulp),
+            histogram: distances.histogram,
+            relative: distances.relative.is_finite().then_some(distances.relative),
+            of_tolerance: distances.used.is_finite().then_some(distances.used),
+            farthest: distances.farthest.clone().filter(|_| row.faults.is_empty()),
             tolerance: compared.map(|(slot, _, t)| (slot.spec().name.into(), words(t))).collect(),
             hashes: row.hashes.iter().map(|(name, hash)| ((*name).into(), format!("{hash:016x}"))).collect(),
-            mean: farthest(&row.biases),
-            means: row.biases.iter().filter(|bias| bias.count > 0).cloned().collect(),
+            mean: farthest(&distances.biases),
+            means: distances.biases.iter().filter(|bias| bias.count > 0).cloned().collect(),
             seconds: row.seconds,
         }
     }

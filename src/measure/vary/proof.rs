@@ -134,7 +134,7 @@ pub fn proof(
     if let Some((stage, what)) = rows.iter().find_map(|row| Some((row.stage, row.faults.first()?))) {
         return Err(fault(format!("stage {stage}: {what}")));
     }
-    let used = rows.iter().map(|row| (row.stage, row.used)).collect();
+    let used = rows.iter().map(|row| (row.stage, row.distances.used)).collect();
     Ok(Proof::Conforms { differ: differ.iter().map(|slot| slot.spec().name).collect(), used })
 }
 
