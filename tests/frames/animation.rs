@@ -8,12 +8,15 @@ use tempfile::TempDir;
 /// the first one without joints, moves along z.
 const JSON: &str = r#"{"asset":{"version":"2.0"},
     "nodes":[{"mesh":0,"skin":0},{"children":[2]},{"translation":[0,1,0]},{"mesh":1,"translation":[5,0,0]}],
-    "meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1,"material":0,"targets":[{"POSITION":4}]}]},
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1,"material":0,
+        "targets":[{"POSITION":4}]}]},
         {"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
     "materials":[{"pbrMetallicRoughness":{"roughnessFactor":0.5}}],
     "skins":[{"joints":[1,2],"inverseBindMatrices":5}],
-    "animations":[{"name":"Lean","samplers":[{"input":6,"output":7},{"input":6,"output":8,"interpolation":"STEP"},{"input":6,"output":9}],
-        "channels":[{"sampler":0,"target":{"node":2,"path":"rotation"}},{"sampler":1,"target":{"node":0,"path":"weights"}},
+    "animations":[{"name":"Lean","samplers":[{"input":6,"output":7},{"input":6,"output":8,"interpolation":"STEP"},
+        {"input":6,"output":9}],
+        "channels":[{"sampler":0,"target":{"node":2,"path":"rotation"}},
+            {"sampler":1,"target":{"node":0,"path":"weights"}},
             {"sampler":2,"target":{"node":3,"path":"translation"}}]}],
     "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},
         {"bufferView":0,"byteOffset":48,"componentType":5125,"count":12,"type":"SCALAR"},
@@ -48,7 +51,8 @@ fn buffer() -> Vec<u8> {
     .concat()
 }
 
-const SCENE: &str = "animation = 'lean'\nfps = 4\n[camera]\nposition = [4, 3, 19]\ntarget = [2, 1, 0]\nsize = [30, 24]\n\n\
+const SCENE: &str = "animation = 'lean'\nfps = 4\n[camera]\nposition = [4, 3, 19]\ntarget = [2, 1, 0]\n\
+    size = [30, 24]\n\n\
     [[light]]\ntype = 'directional'\ndirection = [1, 2, 3]\nirradiance = 2\n\n\
     [[object]]\nmesh = 'a.gltf'\npart = 0\nmaterial = { preset = 'marble' }\n\n\
     [[object]]\nmesh = 'a.gltf'\npart = 1\nmaterial = { preset = 'marble' }\n";

@@ -14,7 +14,8 @@ const SCENE: &str = "[camera]\nposition = [0, 9, 30]\nsize = [40, 30]\nfov = 40\
     [[light]]\ntype = 'point'\nposition = [0, 20, { keyframes = [[0, 9], [3, -9]] }]\n\
     intensity = { keyframes = [[0, [300, 200, 100]], [2, [100, 200, 300]]], curve = 'smooth' }\n\n\
     [[object]]\nshape = 'candle'\ndetail = 16\nsize = 10\nmaterial = { preset = 'marble' }\n\
-    [[object.deform]]\ntype = 'noise'\namplitude = 0.3\nscale = 2\noffset = { keyframes = [[0, [0, 0, 0]], [9, [0, 9, 0]]] }\n\
+    [[object.deform]]\ntype = 'noise'\namplitude = 0.3\nscale = 2\n\
+    offset = { keyframes = [[0, [0, 0, 0]], [9, [0, 9, 0]]] }\n\
     [[object.deform]]\ntype = 'twist'\nangle = { keyframes = [[0, 0], [3, 120]] }\n";
 
 fn at(frame: f64) -> Scene {
@@ -168,8 +169,9 @@ fn frames_do_not_depend_on_each_other() {
 fn a_mesh_a_frame() {
     // First other positions, then other triangles.
     let tall = |top: f64| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {top}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
-    let scene = "[camera]\nposition = [3, 3, 3]\nsize = [24, 24]\n[[light]]\ntype = 'directional'\ndirection = [1, 2, 1]\n\
-                 irradiance = 1\n[transport]\nreceivers = 'faces'\n[[object]]\nmesh = 'm/f%02d.obj'\nmaterial = { preset = 'marble', scale = 20 }\n";
+    let scene = "[camera]\nposition = [3, 3, 3]\nsize = [24, 24]\n[[light]]\ntype = 'directional'\n\
+                 direction = [1, 2, 1]\nirradiance = 1\n[transport]\nreceivers = 'faces'\n\
+                 [[object]]\nmesh = 'm/f%02d.obj'\nmaterial = { preset = 'marble', scale = 20 }\n";
     let here = folder(&[("moving.toml", scene)]);
     std::fs::create_dir(here.path().join("m")).unwrap();
     let write = |name: &str, text: String| std::fs::write(here.path().join("m").join(name), text).unwrap();
@@ -191,8 +193,8 @@ fn what_moves_from_object_to_object() {
     // As many deformations but of another object, another picture size, and deformations with another centre.
     let ball = |x: f64, angle: &str| {
         format!(
-            "[[object]]\nshape = 'slab'\ndetail = 4\nsize = 8\nposition = [{x}, 0, 0]\nmaterial = {{ preset = 'marble' }}\n\
-             deform = [{{ type = 'twist', angle = {{ keyframes = {angle} }} }}]\n"
+            "[[object]]\nshape = 'slab'\ndetail = 4\nsize = 8\nposition = [{x}, 0, 0]\n\
+             material = {{ preset = 'marble' }}\ndeform = [{{ type = 'twist', angle = {{ keyframes = {angle} }} }}]\n"
         )
     };
     let scene = format!(

@@ -68,15 +68,17 @@ pub(super) fn text(found: &Profile) -> String {
     if let Some(rates) = &found.rates {
         let (copy, fma, exp) = (rates.copy * 1e-9, rates.fma * 1e-9, rates.exp * 1e-9);
         text += &format!(
-            "the device's rates, measured now: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s\n"
+            "the device's rates, measured now: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, \
+             {exp:.2} G exp/s\n"
         );
     }
-    text += "\ntimes in ms: median, half its 95 % interval, and from 10th to 90th percentile; wall: each step submitted and \
-             waited for by itself, of kernels\nthe device's time\n";
+    text += "\ntimes in ms: median, half its 95 % interval, and from 10th to 90th percentile; \
+             wall: each step submitted and waited for by itself, of kernels\nthe device's time\n";
     if found.rows.iter().any(|row| row.work.is_some()) {
-        text += "counted by the kernels themselves, in one more frame of the same result: read and written: each byte bound once, \
-                 no more\nthan asked for; asked: by all loads and stores; in millions: additions and multiplications, \
-                 divisions and roots, exponentials\nand the like; then shares of copy, FMA and exp rate\n";
+        text += "counted by the kernels themselves, in one more frame of the same result: \
+                 read and written: each byte bound once, no more\nthan asked for; asked: by all loads and stores; \
+                 in millions: additions and multiplications, divisions and roots, exponentials\nand the like; \
+                 then shares of copy, FMA and exp rate\n";
     }
     text.push('\n');
     text += &stages(found).text();
@@ -136,12 +138,13 @@ mod tests {
         // What rounds to nothing is told, too.
         assert_eq!(
             told(Work { flops: 479_800_012, roots: 3_000_000, loaded: 1 << 20, ..before }),
-            "work of gather: flop 479.8 M -> 479.8 M (+12), div 0.0 M -> 3.0 M, loads 2048.0 KiB -> 1024.0 KiB (-50.0 %), \
-             exp, instructions, stores unchanged\n"
+            "work of gather: flop 479.8 M -> 479.8 M (+12), div 0.0 M -> 3.0 M, loads 2048.0 KiB -> 1024.0 KiB \
+             (-50.0 %), exp, instructions, stores unchanged\n"
         );
         assert_eq!(
             told(before),
-            "work of gather: the same: flop 479.8 M, div 0.0 M, exp 15.5 M, instructions 0.0 M, loads 2048.0 KiB, stores 1024.0 KiB\n"
+            "work of gather: the same: flop 479.8 M, div 0.0 M, exp 15.5 M, instructions 0.0 M, loads 2048.0 KiB, \
+             stores 1024.0 KiB\n"
         );
     }
 }

@@ -189,15 +189,17 @@ fn lit_by(kind: &str) -> String {
         kind => format!("{{ \"type\": \"{kind}\", \"intensity\": 900 }}"),
     };
     format!(
-        "{{ \"asset\": {{ \"version\": \"2.0\" }}, \"scene\": 0, \"scenes\": [{{ \"nodes\": [0, 1] }}], \"nodes\": [{{ \"mesh\": \
-         0 }}, {{ \"translation\": [3, 4, 5], \"extensions\": {{ \"KHR_lights_punctual\": {{ \"light\": 0 }} }} }}], \"meshes\": \
-         [{{ \"primitives\": [{{ \"attributes\": {{ \"POSITION\": 0 }}, \"indices\": 1 }}] }}], \"accessors\": [{{ \"bufferView\": \
-         0, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC3\" }}, {{ \"bufferView\": 1, \"componentType\": 5121, \
-         \"count\": 12, \"type\": \"SCALAR\" }}], \"bufferViews\": [{{ \"buffer\": 0, \"byteLength\": 48 }}, {{ \"buffer\": 0, \
-         \"byteOffset\": 48, \"byteLength\": 12 }}], \"buffers\": [{{ \"byteLength\": 60, \"uri\": \
-         \"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID\" \
-         }}], \"extensionsUsed\": [\"KHR_lights_punctual\"], \"extensions\": {{ \"KHR_lights_punctual\": {{ \"lights\": [{light}] \
-         }} }} }}"
+        r#"{{ "asset": {{ "version": "2.0" }}, "scene": 0, "scenes": [{{ "nodes": [0, 1] }}], "nodes": [{{ "mesh": 0 }},
+        {{ "translation": [3, 4, 5], "extensions": {{ "KHR_lights_punctual": {{ "light": 0 }} }} }}],
+        "meshes": [{{ "primitives": [{{ "attributes": {{ "POSITION": 0 }}, "indices": 1 }}] }}],
+        "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3" }},
+        {{ "bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR" }}],
+        "bufferViews": [{{ "buffer": 0, "byteLength": 48 }}, {{ "buffer": 0, "byteOffset": 48, "byteLength": 12 }}],
+        "buffers": [{{ "byteLength": 60, "uri":
+"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID"
+        }}],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {{ "KHR_lights_punctual": {{ "lights": [{light}] }} }} }}"#
     )
 }
 
